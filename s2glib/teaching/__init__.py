@@ -1,0 +1,1 @@
+"""What the notebooks call, and what builds them."""
