@@ -1,0 +1,1 @@
+"""The systems themselves: each paper in a room of its own."""

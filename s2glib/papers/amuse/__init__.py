@@ -1,0 +1,1 @@
+"""AMUSE: emotional speech-driven 3-D body animation by disentangled latent diffusion."""

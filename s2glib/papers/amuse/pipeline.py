@@ -1,0 +1,217 @@
+"""From a recording to a gesturing body, and to the same body in another emotion or style.
+
+Paper:    AM Fig. A.4 (inference), A (emotion and style editing)
+Notebook: notebooks/14_emotion_swap_studio.ipynb
+"""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import torch
+from jaxtyping import Float
+from torch import Tensor
+
+from s2glib.audio import Waveform, resample
+from s2glib.body import Motion
+from s2glib.body.skeleton import PELVIS_HEIGHT, joint
+from s2glib.checkpoint import load_checkpoint
+from s2glib.diffusion import NoiseSchedule, from_noise_prediction, guided, sample_ddim, timesteps
+from s2glib.papers.amuse.disentangler import SpeechDisentangler, SpeechLatents
+from s2glib.papers.amuse.front_end import (
+    MOTION_FPS,
+    frame_moments,
+    rhythm,
+    sample_track,
+    speech_input,
+    time_tracks,
+)
+from s2glib.papers.amuse.latent_denoiser import LatentDenoiser, SpeechCondition
+from s2glib.papers.amuse.motion_prior import MotionPrior
+from s2glib.papers.amuse.speech_face import SpeechFace
+from s2glib.papers.amuse.stitching import agreeing, blend, window_starts
+
+SAMPLE_RATE = 16000
+
+
+@dataclass(frozen=True)
+class Sampling:
+    """How gestures are sampled; chosen on validation clips (ours)."""
+
+    steps: int = 16
+    guidance: float = 2.0  # on emotion; 1 is none
+    spread: float = 1.1  # factor on the final latent, against under-dispersion
+    overlap: int = 30  # frames that neighbouring windows share
+
+
+@dataclass(frozen=True)
+class Heard:
+    """What the model hears in a recording, motion window by motion window."""
+
+    latents: SpeechLatents  # (n, dim) each
+    tracks: Float[Tensor, "n frames tracks"]
+    filterbank: Float[Tensor, "spoken mels"]  # of the whole recording
+    frames: int  # of motion
+
+    def with_emotion(self, emotion: Float[Tensor, " dim"]) -> "Heard":
+        """The same speech in another emotion."""
+        return replace(
+            self, latents=self.latents._replace(emotion=emotion.expand_as(self.latents.emotion))
+        )
+
+    def with_style(self, style: Float[Tensor, " dim"]) -> "Heard":
+        """The same speech in another speaker's style."""
+        return replace(
+            self, latents=self.latents._replace(style=style.expand_as(self.latents.style))
+        )
+
+
+class Amuse:
+    """The four trained networks and how they work together.
+
+    Args:
+        speech: the disentangler.
+        prior: the motion prior.
+        denoiser: the latent denoiser.
+        face: jaw, lips and the emotion's face.
+        sampling: steps, guidance and overlap.
+    """
+
+    def __init__(
+        self,
+        speech: SpeechDisentangler,
+        prior: MotionPrior,
+        denoiser: LatentDenoiser,
+        face: SpeechFace,
+        sampling: Sampling | None = None,
+    ):
+        self.speech, self.prior = speech.eval(), prior.eval()
+        self.denoiser, self.face = denoiser.eval(), face.eval()
+        self.sampling = sampling or Sampling()
+        self.schedule = NoiseSchedule.scaled_linear(denoiser.config.levels)
+
+    @classmethod
+    def load(cls, folder: Path, sampling: Sampling | None = None) -> "Amuse":
+        """Read the four checkpoints of a folder.
+
+        Raises:
+            FileNotFoundError: if one is missing.
+            ValueError: if one is not what it should be.
+        """
+        return cls(
+            load_checkpoint(folder / "amuse-disentangler.safetensors", SpeechDisentangler),
+            load_checkpoint(folder / "amuse-prior.safetensors", MotionPrior),
+            load_checkpoint(folder / "amuse-denoiser.safetensors", LatentDenoiser),
+            load_checkpoint(folder / "amuse-face.safetensors", SpeechFace),
+            sampling,
+        )
+
+    @torch.no_grad()
+    def hear(self, waveform: Waveform) -> Heard:
+        """Encode a recording of any length.
+
+        Each motion window listens to one speech window around it; short recordings have one.
+        """
+        samples = resample(waveform.samples, waveform.sample_rate, SAMPLE_RATE)
+        config = self.speech.config
+        window = self.prior.config.frames
+        frames = max(1, int(len(samples) / SAMPLE_RATE * MOTION_FPS))
+        starts = window_starts(frames, window, self.sampling.overlap)
+        seconds = config.frames * config.pool / 100
+        ends = len(samples) / SAMPLE_RATE
+        lead = (seconds - window / MOTION_FPS) / 2
+        begins = [max(0.0, min(start / MOTION_FPS - lead, ends - seconds)) for start in starts]
+        heard = torch.stack(
+            [speech_input(samples[int(begin * SAMPLE_RATE) :], config) for begin in begins]
+        )
+        latents = self.speech.encode(heard)
+        latents = latents._replace(style=latents.style.mean(0).expand_as(latents.style))
+        offsets = torch.tensor(starts) / MOTION_FPS - torch.tensor(begins)
+        moments = offsets[:, None] + frame_moments(window)
+        tracks = time_tracks(rhythm(heard), latents.content, moments, config)
+        whole = speech_input(samples, replace(config, frames=_frames_of(ends, config.pool)))
+        return Heard(latents, tracks, whole, frames)
+
+    @torch.no_grad()
+    def gesture(self, heard: Heard, *, generator: torch.Generator) -> Motion:
+        """Sample a motion for what was heard."""
+        count = len(heard.tracks)
+        nothing = torch.zeros(count, 3, dtype=torch.bool)
+        condition = SpeechCondition(heard.latents, heard.tracks, nothing)
+        network = self.denoiser
+        if network.config.prediction == "noise":
+            network = from_noise_prediction(network, self.schedule)
+        denoise = guided(
+            network, condition, condition.without_emotion(), float(self.sampling.guidance)
+        )
+        together = agreeing(denoise, self.prior, self.denoiser, self.sampling.overlap)
+        config = self.denoiser.config
+        noise = torch.randn(count, config.tokens, config.token_dim, generator=generator)
+        levels = timesteps(config.levels, self.sampling.steps, "linspace")
+        *_, x0 = sample_ddim(together, noise, self.schedule, timesteps=levels, generator=generator)
+        windows = self.prior.decode(self.denoiser.restore(self.sampling.spread * x0))
+        track = blend(windows, self.sampling.overlap)[: heard.frames]
+        return self._embody(self.prior.features.to_poses(track), heard)
+
+    def _embody(self, poses: Float[Tensor, "frames 55 3"], heard: Heard) -> Motion:
+        """Stand the body up and give it a face that speaks."""
+        emotion = self.speech.emotion_head(heard.latents.emotion.mean(0)).softmax(-1)
+        jaw, curves = self.face(heard.filterbank, emotion)
+        rate = 100 / self.speech.config.pool
+        places = frame_moments(len(poses)) * rate - 0.5
+        face = sample_track(torch.cat([jaw[:, None], curves], dim=1)[None], places[None])[0]
+        poses[:, joint("jaw"), 0] = face[:, 0]
+        expression = poses.new_zeros(len(poses), 100)
+        expression[:, : curves.shape[1]] = face[:, 1:]
+        trans = poses.new_zeros(len(poses), 3)
+        trans[:, 1] = PELVIS_HEIGHT
+        return Motion(poses, trans, expression, MOTION_FPS)
+
+    def generate(self, waveform: Waveform, *, generator: torch.Generator) -> Motion:
+        """Gestures for a recording, in its own emotion and style."""
+        return self.gesture(self.hear(waveform), generator=generator)
+
+    def edit(
+        self,
+        source: Waveform,
+        *,
+        emotion: Waveform | int | None = None,
+        style: Waveform | None = None,
+        generator: torch.Generator,
+    ) -> Motion:
+        """Gestures for `source` with the emotion, the style, or both taken from elsewhere.
+
+        Args:
+            source: whose words and rhythm stay.
+            emotion: a donor recording, or the number of an emotion (its mean latent is used).
+            style: a donor recording.
+            generator: source of the noise.
+
+        Raises:
+            ValueError: if there is nothing to edit, or no such emotion.
+        """
+        if emotion is None and style is None:
+            raise ValueError("an edit takes an emotion, a style, or both; got neither")
+        heard = self.hear(source)
+        if isinstance(emotion, int):
+            heard = heard.with_emotion(self.emotion_centre(emotion))
+        elif emotion is not None:
+            heard = heard.with_emotion(self.hear(emotion).latents.emotion.mean(0))
+        if style is not None:
+            heard = heard.with_style(self.hear(style).latents.style.mean(0))
+        return self.gesture(heard, generator=generator)
+
+    def emotion_centre(self, number: int) -> Float[Tensor, " dim"]:
+        """The mean emotion latent of a class.
+
+        Raises:
+            ValueError: if there is no such class.
+        """
+        count = self.speech.config.emotions
+        if not 0 <= number < count:
+            raise ValueError(f"emotions are numbered 0 to {count - 1}, got {number}")
+        return self.speech.emotion_centres[number]
+
+
+def _frames_of(seconds: float, pool: int) -> int:
+    return max(1, int(np.ceil(seconds * 100 / pool)))

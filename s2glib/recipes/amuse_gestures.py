@@ -1,0 +1,278 @@
+"""Train the gesture generator: first the motion prior, then the latent denoiser on its latents.
+
+Paper:    AM C.1, C.3
+Notebook: notebooks/13_latent_diffusion.ipynb
+"""
+
+import math
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+import torch
+from jaxtyping import Bool, Float, Int
+from torch import Tensor, nn
+
+from s2glib.checkpoint import load_checkpoint
+from s2glib.corpus.build import motion_set
+from s2glib.corpus.script import Cell, speech_take, split
+from s2glib.diffusion import NoiseSchedule, add_noise
+from s2glib.papers.amuse.config import DENOISER_PRESETS, PRIOR_PRESETS, SpeechConfig
+from s2glib.papers.amuse.disentangler import SpeechDisentangler, SpeechLatents
+from s2glib.papers.amuse.front_end import MOTION_FPS, frame_moments, rhythm, time_tracks
+from s2glib.papers.amuse.latent_denoiser import LatentDenoiser, SpeechCondition
+from s2glib.papers.amuse.motion_features import MotionFeatures
+from s2glib.papers.amuse.motion_prior import MotionPrior, prior_losses
+from s2glib.papers.amuse.temporal_prior import start_from_components
+from s2glib.recipes.amuse_disentangler import encode_all, factor_table
+from s2glib.recipes.fit import Chance, Course
+from s2glib.recipes.motion_data import MotionWindows, SpeechOfClips, speech_row
+from s2glib.recipes.speech_data import FactorTable
+from s2glib.recipes.stage import Stage
+
+PRIOR = Course(
+    steps=6000, batch=32, learning_rate=1e-3, weight_decay=1e-4, warm_up=100, last_rate=0.03
+)
+DENOISER = Course(
+    steps=9000,
+    batch=64,
+    learning_rate=1e-3,
+    betas=(0.9, 0.99),
+    weight_decay=1e-3,
+    warm_up=100,
+    average=0.998,
+)
+KL_RAMP = 300  # steps
+CONDITION_DROPOUT = 0.1
+CONDITION_NOISE = 0.3  # of a latent's own spread
+
+
+class PriorStep(NamedTuple):
+    """A batch of motion, the noise of the latent, and how much the KL term counts."""
+
+    motion: Float[Tensor, "batch frames features"]
+    generator: torch.Generator
+    kl: float
+
+
+class PriorObjective(nn.Module):
+    """Holds the prior; one call is one forward pass."""
+
+    def __init__(self, model: MotionPrior):
+        super().__init__()
+        self.model = model
+
+    def forward(self, step: PriorStep) -> tuple[Tensor, dict[str, Tensor]]:
+        """The weighted loss and its terms."""
+        losses = prior_losses(self.model, step.motion, generator=step.generator)
+        return losses.total(kl=step.kl), losses._asdict()
+
+
+def draw_prior(
+    windows: MotionWindows, course: Course, chance: Chance, kl_weight: float
+) -> PriorStep:
+    """Windows that start anywhere in any clip."""
+    clips = chance.rng.integers(len(windows.cells), size=course.batch)
+    motion = windows.window(clips, windows.any_offset(clips, chance.rng))
+    step = chance.progress * course.steps
+    return PriorStep(motion, chance.generator, kl_weight * min(1.0, step / KL_RAMP))
+
+
+class DenoiserStep(NamedTuple):
+    """Clean latents, what the speech asks for, and the noise of this step."""
+
+    x0: Float[Tensor, "batch tokens dim"]
+    condition: SpeechCondition
+    t: Int[Tensor, " batch"]
+    noise: Float[Tensor, "batch tokens dim"]
+
+
+class DenoiserObjective(nn.Module):
+    """Holds the denoiser; one call predicts x0 and compares  (L_LD).
+
+    Args:
+        model: the denoiser.
+        weights: how much each latent number matters to the motion.
+    """
+
+    weights: Tensor
+
+    def __init__(self, model: LatentDenoiser, weights: Float[Tensor, "tokens dim"]):
+        super().__init__()
+        self.model = model
+        self.schedule = NoiseSchedule.scaled_linear(model.config.levels)
+        self.register_buffer("weights", weights)
+
+    def forward(self, step: DenoiserStep) -> tuple[Tensor, dict[str, Tensor]]:
+        """The loss."""
+        xt = add_noise(self.schedule, step.x0, step.noise, step.t)
+        predicted = self.model(xt, step.t, step.condition)
+        target = step.x0 if self.model.config.prediction == "x0" else step.noise
+        loss = (self.weights * (predicted - target).square()).mean()
+        return loss, {"latent": loss}
+
+
+def latent_weights(prior: MotionPrior, denoiser: LatentDenoiser) -> Float[Tensor, "tokens dim"]:
+    """How far a standardised latent number moves the motion: the size of its decoder column.
+
+    A posture counts for all frames of the window, a local token only for its own.
+    """
+    decoder = prior.decoder
+    whole = decoder.posture.weight.norm(dim=0) * math.sqrt(prior.config.frames)
+    local = decoder.change.weight.norm(dim=0).expand(prior.config.tokens - 1, -1)
+    weights = torch.cat([whole[None], local]) * denoiser.latent_std
+    return (weights / weights.mean()).detach()
+
+
+def token_statistics(
+    latents: Float[Tensor, "n tokens dim"],
+) -> tuple[Float[Tensor, "tokens dim"], Float[Tensor, "tokens dim"]]:
+    """Mean and spread for the global token, and one pair shared by all local tokens."""
+    whole, local = latents[:, :1], latents[:, 1:].flatten(0, 1)
+    count = latents.shape[1] - 1
+    mean = torch.cat([whole.mean(0), local.mean(0).expand(count, -1)])
+    return mean, torch.cat([whole.std(0), local.std(0).expand(count, -1)])
+
+
+class GestureData:
+    """Motion windows with the rows of their speech, and latents encoded on the fly.
+
+    Args:
+        windows: motion of clips whose speech is known.
+        rows: row of each clip's speech.
+        speech: what the disentangler hears in each speech clip.
+        prior: the trained motion prior.
+        config: of the disentangler.
+    """
+
+    def __init__(
+        self,
+        windows: MotionWindows,
+        rows: np.ndarray,
+        speech: SpeechOfClips,
+        prior: MotionPrior,
+        config: SpeechConfig,
+    ):
+        self.windows, self.rows, self.speech = windows, torch.from_numpy(rows), speech
+        self.prior, self.config = prior, config
+        self.spread = SpeechLatents(*(latent.std(0) for latent in speech.latents))
+
+    def draw(self, model: LatentDenoiser, course: Course, chance: Chance) -> DenoiserStep:
+        """Windows from anywhere, conditions with fresh noise, some of them dropped."""
+        count = course.batch
+        clips = chance.rng.integers(len(self.windows.cells), size=count)
+        offsets = self.windows.any_offset(clips, chance.rng)
+        condition = self.condition(clips, offsets)
+        noisy = SpeechLatents(
+            *(
+                latent + CONDITION_NOISE * spread * _noise(latent.shape, chance)
+                for latent, spread in zip(condition.latents, self.spread, strict=True)
+            )
+        )
+        dropped = torch.rand(count, 3, generator=chance.generator) < CONDITION_DROPOUT
+        with torch.no_grad():
+            x0 = model.standardize(self.prior.encode(self.windows.window(clips, offsets)).mean)
+        t = torch.randint(model.config.levels, (count,), generator=chance.generator)
+        condition = condition._replace(latents=noisy, dropped=dropped)
+        return DenoiserStep(x0, condition, t, _noise(x0.shape, chance))
+
+    def condition(self, clips: np.ndarray, offsets: np.ndarray) -> SpeechCondition:
+        """What the speech of these clips asks of windows at these frames."""
+        speech = self.speech.take(self.rows[torch.from_numpy(clips)])
+        begin = torch.from_numpy(offsets)[:, None] / MOTION_FPS
+        moments = (begin + frame_moments(self.windows.frames)).float()
+        tracks = time_tracks(speech.rhythm, speech.latents.content, moments, self.config)
+        nothing: Bool[Tensor, "batch 3"] = torch.zeros(len(clips), 3, dtype=torch.bool)
+        return SpeechCondition(speech.latents, tracks, nothing)
+
+
+def _noise(shape, chance: Chance) -> Tensor:
+    return torch.randn(shape, generator=chance.generator)
+
+
+def motion_cells() -> list[Cell]:
+    """Every performance of the training cells: takes 0 and 1, and the further takes."""
+    train = set(split("train"))
+    performances = [c for c in split("motion") if c._replace(take=speech_take(c.take)) in train]
+    return [*split("train"), *performances]
+
+
+def motion_windows(cells: list[Cell], features: MotionFeatures, frames: int) -> MotionWindows:
+    """Render (or read) the motion of cells."""
+    return MotionWindows(cells, motion_set(cells).poses, features, frames)
+
+
+def fit_features(cells: list[Cell]) -> MotionFeatures:
+    """Statistics of poses, from every ninth frame of every seventh clip."""
+    poses = motion_set(cells[::7]).poses
+    features = MotionFeatures()
+    features.fit(torch.from_numpy(np.concatenate([p[::9] for p in poses])).float())
+    return features
+
+
+def speech_of(model: SpeechDisentangler, table: FactorTable) -> SpeechOfClips:
+    """Latents and rhythm of every clip of a table."""
+    tracks = [rhythm(table.windows[i : i + 128].float()) for i in range(0, len(table.windows), 128)]
+    return SpeechOfClips(encode_all(model, table), torch.cat(tracks))
+
+
+@torch.no_grad()
+def wrist_error(prior: MotionPrior, windows: MotionWindows, count: int = 512) -> float:
+    """Centimetres between true and reconstructed wrists, in the first windows of clips."""
+    prior.eval()
+    motion = windows.first()[:count]
+    true, made = (prior.features.positions(x)[..., 5:7, :] for x in (motion, prior(motion)))
+    return 100 * float((true - made).norm(dim=-1).mean())
+
+
+def train_prior(stage: Stage) -> MotionPrior:
+    """The first half of the stage: the motion prior, started from principal components."""
+    torch.manual_seed(stage.seed)
+    cells = motion_cells()
+    prior = MotionPrior(PRIOR_PRESETS[stage.preset])
+    prior.features = fit_features(cells)
+    windows = motion_windows(cells, prior.features, prior.config.frames)
+    rng = np.random.default_rng(stage.seed)
+    clips = rng.permutation(len(cells))[:4096]
+    start_from_components(
+        prior.encoder, prior.decoder, windows.window(clips, windows.any_offset(clips, rng))
+    )
+    course = stage.course(PRIOR)
+    draw = partial(draw_prior, windows, course, kl_weight=prior.config.kl_weight)
+    kept, record = stage.train("amuse-prior", PriorObjective(prior), course, draw)
+    validation = motion_windows(split("validation"), prior.features, prior.config.frames)
+    figures = {"wrist error in cm": wrist_error(kept.model, validation)}
+    stage.publish("amuse-prior", kept.model.eval(), record, figures)
+    return kept.model
+
+
+def train(stage: Stage) -> None:
+    """The stage `amuse-gestures`: the prior, then the denoiser on real speech latents."""
+    prior = train_prior(stage).eval().requires_grad_(False)
+    train_denoiser(stage, prior)
+
+
+def train_denoiser(stage: Stage, prior: MotionPrior) -> None:
+    """The second half of the stage; the disentangler's checkpoint must be there."""
+    folder = stage.folder / "checkpoints"
+    speech = load_checkpoint(folder / "amuse-disentangler.safetensors", SpeechDisentangler)
+    torch.manual_seed(stage.seed)
+    spoken, cells = split("train"), motion_cells()
+    windows = motion_windows(cells, prior.features, prior.config.frames)
+    heard = speech_of(speech, factor_table("train", speech.config))
+    data = GestureData(windows, speech_row(cells, spoken), heard, prior, speech.config)
+    denoiser = LatentDenoiser(DENOISER_PRESETS[stage.preset])
+    clips = np.random.default_rng(stage.seed).permutation(len(cells))[:4096]
+    offsets = windows.any_offset(clips, np.random.default_rng(stage.seed))
+    with torch.no_grad():
+        latents = prior.encode(windows.window(clips, offsets)).mean
+    mean, std = token_statistics(latents)
+    denoiser.latent_mean.copy_(mean)
+    denoiser.latent_std.copy_(std)
+    weights = latent_weights(prior, denoiser)
+    course = stage.course(DENOISER)
+    draw = partial(data.draw, denoiser, course)
+    objective = DenoiserObjective(denoiser, weights)
+    kept, record = stage.train("amuse-denoiser", objective, course, draw)
+    figures = {"latent error": record["curve"][-1]["latent"]}
+    stage.publish("amuse-denoiser", kept.model.eval(), record, figures)

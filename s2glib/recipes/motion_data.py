@@ -1,0 +1,79 @@
+"""Motion clips of any length as windows of features, with the speech that belongs to them.
+
+Paper:    AM C.1, F
+Notebook: notebooks/12_motion_prior.ipynb
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import torch
+from jaxtyping import Float
+from torch import Tensor
+
+from s2glib.corpus.script import EMOTIONS, Cell, speech_take
+from s2glib.papers.amuse.disentangler import SpeechLatents
+from s2glib.papers.amuse.motion_features import MotionFeatures
+
+
+class MotionWindows:
+    """Features of many clips; windows are cut from them at any frame.
+
+    Args:
+        cells: which clip each motion belongs to.
+        poses: half-precision poses of each clip.
+        features: how poses become features.
+        frames: length of a window.
+    """
+
+    def __init__(
+        self,
+        cells: Sequence[Cell],
+        poses: Sequence[np.ndarray],
+        features: MotionFeatures,
+        frames: int,
+    ):
+        self.cells, self.frames = list(cells), frames
+        self.emotion = torch.tensor([EMOTIONS.index(cell.emotion) for cell in cells])
+        self.lengths = np.array([len(p) for p in poses])
+        self.starts = np.concatenate([[0], np.cumsum(self.lengths)[:-1]])
+        with torch.no_grad():
+            parts = [features.from_poses(torch.from_numpy(p).float()).half() for p in poses]
+        self.track = torch.cat(parts)
+
+    def window(
+        self, clips: np.ndarray, offsets: np.ndarray
+    ) -> Float[Tensor, "batch frames features"]:
+        """Cut windows; after a clip's end its last frame is held."""
+        inside = offsets[:, None] + np.arange(self.frames)
+        inside = np.minimum(inside, self.lengths[clips][:, None] - 1)
+        return self.track[torch.from_numpy(self.starts[clips][:, None] + inside)].float()
+
+    def any_offset(self, clips: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+        """A random start in each clip such that the window fits, or 0 in short clips."""
+        room = np.maximum(self.lengths[clips] - self.frames, 0)
+        return (rng.random(len(clips)) * (room + 1)).astype(int)
+
+    def first(self) -> Float[Tensor, "n frames features"]:
+        """The first window of every clip."""
+        return self.window(np.arange(len(self.cells)), np.zeros(len(self.cells), int))
+
+
+class SpeechOfClips(NamedTuple):
+    """What the disentangler hears in many clips: latents, and rhythm over the speech window."""
+
+    latents: SpeechLatents
+    rhythm: Float[Tensor, "n frames 2"]
+
+    def take(self, index: Tensor) -> "SpeechOfClips":
+        """Some of the clips."""
+        return SpeechOfClips(
+            SpeechLatents(*(latent[index] for latent in self.latents)), self.rhythm[index]
+        )
+
+
+def speech_row(cells: Sequence[Cell], spoken: Sequence[Cell]) -> np.ndarray:
+    """For each motion clip the row of its speech; -1 where that was not rendered."""
+    rows = {cell: row for row, cell in enumerate(spoken)}
+    return np.array([rows.get(c._replace(take=speech_take(c.take)), -1) for c in cells])

@@ -1,0 +1,121 @@
+"""One training stage from start to finish: progress, a state to resume from, a record, a file.
+
+Paper:    -
+Notebook: notebooks/09_disentanglement.ipynb
+"""
+
+import json
+import subprocess
+import time
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from torch import nn
+from tqdm import tqdm
+
+from s2glib.checkpoint import save_checkpoint
+from s2glib.recipes.fit import Chance, Course, Training
+
+SAVE_EVERY = 60.0  # seconds
+CURVE_EVERY = 50  # steps averaged into one point of the recorded loss curve
+
+
+@dataclass(frozen=True)
+class Stage:
+    """Where a stage keeps its files, and how far it goes.
+
+    Attributes:
+        name: such as "amuse-disentangler".
+        folder: for checkpoints, resume states and run records.
+        preset: "teaching" or "paper".
+        seed: of everything.
+        steps: overrides the course's own number.
+        resume: go on from the saved state, where there is one.
+    """
+
+    name: str
+    folder: Path
+    preset: str = "teaching"
+    seed: int = 0
+    steps: int | None = None
+    resume: bool = False
+
+    def course(self, course: Course) -> Course:
+        """A course with this stage's seed and length."""
+        return replace(course, seed=self.seed, steps=self.steps or course.steps)
+
+    def state_file(self, part: str) -> Path:
+        """Where the resume state of a model lies."""
+        return self.folder / "states" / f"{part}-{self.preset}-{self.seed}.safetensors"
+
+    def train(
+        self, part: str, objective: nn.Module, course: Course, draw: Callable[[Chance], Any]
+    ) -> tuple[nn.Module, dict[str, Any]]:
+        """Run a course with a progress bar; give back the objective to keep and its record."""
+        state = self.state_file(part)
+        training = Training(objective, course, resume_from=state if self.resume else None)
+        bar = tqdm(total=course.steps, initial=training.step, desc=part, mininterval=2)
+        curve: list[dict[str, float]] = []
+        window: list[dict[str, float]] = []
+        saved = time.monotonic()
+        seconds = 0.0
+        for log in training.run(draw):
+            bar.update()
+            seconds = log.seconds
+            window.append({"loss": log.loss, **log.terms})
+            if len(window) == CURVE_EVERY or log.step + 1 == course.steps:
+                curve.append({"step": log.step + 1, **_means(window)})
+                bar.set_postfix({k: f"{v:.3f}" for k, v in curve[-1].items() if k != "step"})
+                window = []
+            if time.monotonic() - saved > SAVE_EVERY:
+                training.save(state)
+                saved = time.monotonic()
+        bar.close()
+        training.save(state)
+        record = {"course": asdict(course), "seconds": round(seconds, 1), "curve": curve}
+        return training.result, record
+
+    def publish(
+        self, part: str, model: nn.Module, record: dict[str, Any], figures: dict[str, float]
+    ) -> Path:
+        """Write the checkpoint (half precision) and the run's record.
+
+        The figures come from the functions that `evaluate` uses.
+        """
+        path = self.folder / "checkpoints" / f"{part}.safetensors"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        known = {"recipe": self.name, "seed": self.seed, "steps": record["course"]["steps"]}
+        metadata = {**known, "figures": figures}
+        save_checkpoint(path, model, model.config, metadata=metadata, half=True)
+        whole = {
+            "stage": self.name,
+            "part": part,
+            "preset": self.preset,
+            "commit": _commit(),
+            **known,
+            **record,
+            "config": asdict(model.config),
+            "figures": figures,
+        }
+        runs = self.folder / "runs" / f"{part}-{self.preset}-{self.seed}.json"
+        runs.parent.mkdir(parents=True, exist_ok=True)
+        runs.write_text(json.dumps(whole, indent=1) + "\n", encoding="utf8")
+        return path
+
+
+def _means(rows: list[dict[str, float]]) -> dict[str, float]:
+    return {name: round(sum(r[name] for r in rows) / len(rows), 5) for name in rows[0]}
+
+
+def _commit() -> str:
+    """The commit of the checkout the package runs from, or "unknown" outside one."""
+    done = subprocess.run(
+        ["git", "rev-parse", "--short", "HEAD"],
+        cwd=Path(__file__).parent,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    return done.stdout.strip() or "unknown"
