@@ -1,7 +1,10 @@
 """Bodies: the skeleton, rotations, motions, skinned surfaces, and their files."""
 
+from s2glib.body.bvh import Bvh, read_bvh, write_bvh
+from s2glib.body.export import write_glb, write_npz
 from s2glib.body.keypoints2d import BODY_POINTS, HAND_POINTS, upper_body_points
 from s2glib.body.kinematics import Kinematics, forward_kinematics
+from s2glib.body.mannequin import build_mannequin, mannequin, save_mannequin
 from s2glib.body.motion import Motion, joint_positions, skin_motion
 from s2glib.body.rotations import (
     axis_angle_to_matrix,
@@ -33,18 +36,26 @@ __all__ = [
     "REST_JOINTS",
     "REST_OFFSETS",
     "BodyModel",
+    "Bvh",
     "Kinematics",
     "Motion",
     "Skinned",
     "axis_angle_to_matrix",
+    "build_mannequin",
     "forward_kinematics",
     "joint",
     "joint_positions",
     "linear_blend_skinning",
     "load_smplx",
+    "mannequin",
     "matrix_to_axis_angle",
     "matrix_to_sixd",
+    "read_bvh",
+    "save_mannequin",
     "sixd_to_matrix",
     "skin_motion",
     "upper_body_points",
+    "write_bvh",
+    "write_glb",
+    "write_npz",
 ]
