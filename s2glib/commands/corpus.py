@@ -1,0 +1,34 @@
+"""Build the corpus that ships, or write a page that shows it.
+
+Paper:    AM F
+Notebook: -
+"""
+
+from argparse import ArgumentParser, Namespace
+from pathlib import Path
+
+
+def describe(parser: ArgumentParser) -> None:
+    """The command's arguments."""
+    parser.add_argument("what", choices=("build", "report"))
+    parser.add_argument("--out", type=Path, required=True, help="folder to write into")
+    parser.add_argument(
+        "--clock", action="store_true", help="also let all voices read, and write the clock anew"
+    )
+
+
+def run(options: Namespace) -> int:
+    """Write the shipped data, or the report."""
+    options.out.mkdir(parents=True, exist_ok=True)
+    if options.what == "report":
+        from s2glib.recipes.corpus_report import write_report
+
+        print(f"wrote {write_report(options.out)}")
+        return 0
+    from s2glib.corpus.ship import write_clock, write_samples
+
+    if options.clock:
+        write_clock(options.out)
+    write_samples(options.out)
+    print(f"wrote the shipped corpus into {options.out}")
+    return 0

@@ -1,0 +1,42 @@
+"""Train a stage and write its checkpoint and run record.
+
+Paper:    -
+Notebook: -
+"""
+
+from argparse import ArgumentParser, Namespace
+from pathlib import Path
+
+STAGES = {
+    "amuse-disentangler": "s2glib.recipes.amuse_disentangler",
+    "amuse-gestures": "s2glib.recipes.amuse_gestures",
+    "amuse-extractor": "s2glib.recipes.amuse_extractor",
+}
+
+
+def describe(parser: ArgumentParser) -> None:
+    """The command's arguments."""
+    parser.add_argument("stage", choices=STAGES, metavar="STAGE", help=", ".join(STAGES))
+    parser.add_argument("--preset", choices=("teaching", "paper"), default="teaching")
+    parser.add_argument("--out", type=Path, default=Path("trained"), help="for files of the stage")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--steps", type=int, help="instead of the recipe's number")
+    parser.add_argument("--resume", action="store_true", help="go on from the saved state")
+
+
+def run(options: Namespace) -> int:
+    """Train."""
+    from importlib import import_module
+
+    from s2glib.recipes.stage import Stage
+
+    stage = Stage(
+        name=options.stage,
+        folder=options.out,
+        preset=options.preset,
+        seed=options.seed,
+        steps=options.steps,
+        resume=options.resume,
+    )
+    import_module(STAGES[options.stage]).train(stage)
+    return 0
