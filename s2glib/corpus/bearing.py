@@ -127,9 +127,14 @@ MANNERS = {
 }
 
 # The dials that decide how well the emotion of a true gesture can be recognised.
-POSTURE_NOISE = 0.11  # radians or arm lengths, standard deviation per clip
-AMPLITUDE_NOISE, TEMPO_NOISE = 0.29, 0.19  # standard deviation of the logarithm
-LEAK = 0.25  # at most this share of another emotion shows
+POSTURE_NOISE = 0.10  # radians or arm lengths, standard deviation per clip
+AMPLITUDE_NOISE, TEMPO_NOISE = 0.27, 0.175  # standard deviation of the logarithm
+LEAK = 0.23  # at most this share of another emotion shows
+
+
+def body_strength(intensity: float) -> float:
+    """Share of an emotion's bearing that a clip of that intensity shows."""
+    return 0.06 + 0.94 * intensity
 
 
 class Performance(NamedTuple):
@@ -145,24 +150,24 @@ def perform(emotion: str, speaker: str, intensity: float, rng: np.random.Generat
     manner = MANNERS[speaker]
     neutral, target = (np.array(BEARINGS[name]) for name in ("neutral", emotion))
     other = np.array(BEARINGS[EMOTIONS[int(rng.integers(len(EMOTIONS)))]])
-    leak = LEAK * rng.random()
-    mixed = Bearing(*(neutral + intensity * ((1 - leak) * target + leak * other - neutral)))
+    leak, strength = LEAK * rng.random(), body_strength(intensity)
+    mixed = Bearing(*(neutral + strength * ((1 - leak) * target + leak * other - neutral)))
     amplitude = mixed.amplitude * manner.reach * np.exp(rng.normal(0, AMPLITUDE_NOISE))
     posture = {name: getattr(mixed, name) + rng.normal(0, POSTURE_NOISE) for name in POSTURE}
     bearing = mixed._replace(
         amplitude=min(amplitude, STRONGEST_REACH),
         tempo=mixed.tempo * np.exp(rng.normal(0, TEMPO_NOISE)),
         shake=mixed.shake * np.exp(rng.normal(0, 6 * POSTURE_NOISE)),
-        tremor=mixed.tremor * (rng.random() < 0.5 + 0.5 * intensity),
+        tremor=mixed.tremor * (rng.random() < 0.5 + 0.5 * strength),
         **posture,
     )
-    return Performance(bearing, manner, _rest(manner, bearing, emotion, intensity, rng))
+    return Performance(bearing, manner, _rest(manner, bearing, emotion, strength, rng))
 
 
-def _rest(manner, bearing, emotion, intensity, rng):
+def _rest(manner, bearing, emotion, strength, rng):
     rest = np.array(manner.rest) + (bearing.elbows, 0.8 * bearing.height, 0.0)
     rest = rest + rng.normal(0, POSTURE_NOISE, 3)
     if emotion in REST_SHIFTS:
         shift, pull = REST_SHIFTS[emotion]
-        rest = rest + intensity * (np.array(shift) - pull * rest)
+        rest = rest + strength * (np.array(shift) - pull * rest)
     return rest

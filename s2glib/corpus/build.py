@@ -17,7 +17,7 @@ import torch
 from jaxtyping import Float, Float16
 from tqdm import tqdm
 
-from s2glib.audio import Waveform
+from s2glib.audio import Waveform, onset_times
 from s2glib.corpus.clock import Timing, readings, timing
 from s2glib.corpus.gestures import render_gestures
 from s2glib.corpus.intensity import intensity
@@ -130,11 +130,23 @@ def motion_set(cells: Iterable[Cell], *, processes: int | None = None) -> Motion
     return MotionSet([entry["poses"] for entry in found], 30)
 
 
+def onset_set(
+    requests: Sequence[Request], *, processes: int | None = None
+) -> list[Float[np.ndarray, " _"]]:
+    """Seconds of the onsets in the requested clips' speech, rendered where the cache lacks them."""
+    return [e["onsets"] for e in _gather("onsets", requests, _render_onsets, processes)]
+
+
 def _render_windows(request: Request) -> dict[str, np.ndarray]:
     clock = timing_of(*request)
     samples = render_speech(request.cell, clock, intensity(request.cell))
     window = speech_window(samples, **WINDOW).astype(np.float16)
     return {"window": window, "seconds": np.array(clock.duration)}
+
+
+def _render_onsets(request: Request) -> dict[str, np.ndarray]:
+    samples = render_speech(request.cell, timing_of(*request), intensity(request.cell))
+    return {"onsets": onset_times(samples, SAMPLE_RATE)}
 
 
 def _render_poses(request: Request) -> dict[str, np.ndarray]:
@@ -203,5 +215,5 @@ def _render_group(path: Path, requests: list[Request], render) -> None:
             fields |= {f"{request.key}/{name}": value for name, value in entry.items()}
     path.parent.mkdir(parents=True, exist_ok=True)
     unfinished = path.with_suffix(f".{os.getpid()}.tmp.npz")
-    np.savez(unfinished, **fields)
+    np.savez(unfinished, allow_pickle=False, **fields)
     unfinished.replace(path)

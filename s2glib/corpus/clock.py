@@ -39,7 +39,7 @@ class Timing(NamedTuple):
     """When everything happens in one clip (seconds from its start)."""
 
     phonemes: tuple[str, ...]
-    boundaries: Float[np.ndarray, " n+1"]
+    boundaries: Float[np.ndarray, " bounds"]
     stressed: Bool[np.ndarray, " n"]
     words: tuple[str, ...]
     word_starts: Float[np.ndarray, " w"]
@@ -86,12 +86,13 @@ def word_places(
         spoken: the words that espeak-ng reports, with their starts in seconds.
         starts: starts of the phonemes in seconds.
     """
-    heads, at = [], 0
-    for word, start in spoken:
-        at = words.index(word, at)
+    heads: list[tuple[int, int]] = []
+    at = 0
+    for name, start in spoken:
+        at = words.index(name, at)
         heads.append((at, int(np.searchsorted(starts, start - 1e-3))))
         at += 1
-    places = []
+    places: list[int] = []
     for (word, place), (next_word, next_place) in pairwise([*heads, (len(words), len(starts))]):
         letters = np.cumsum([0] + [len(w) for w in words[word:next_word]])
         shares = letters[:-1] / letters[-1] * (next_place - place)

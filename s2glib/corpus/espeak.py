@@ -12,6 +12,7 @@ import json
 import subprocess
 import sys
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float
@@ -77,7 +78,7 @@ def synthesize(text: str, variant: str, *, pitch: int = 50, rate: int = 150) -> 
     """
     request = json.dumps({"text": text, "variant": variant, "pitch": pitch, "rate": rate})
     done = subprocess.run(
-        [sys.executable, "-m", "s2glib.corpus.espeak", request], capture_output=True, check=False
+        [sys.executable, "-P", __file__, request], capture_output=True, check=False
     )
     if done.returncode:
         message = done.stderr.decode().strip().splitlines()[-1]
@@ -99,10 +100,10 @@ def _speak(text: str, variant: str, pitch: int, rate: int) -> tuple[bytes, list,
     import espeakng_loader
 
     library = ctypes.CDLL(espeakng_loader.get_library_path())
-    library.espeak_Initialize(
-        _RETRIEVE_AUDIO, 0, espeakng_loader.get_data_path().encode(), _PHONEME_EVENTS | _IPA
-    )
-    if library.espeak_SetVoiceByName(f"en-us+{variant}".encode()) != 0:
+    data = espeakng_loader.get_data_path()
+    library.espeak_Initialize(_RETRIEVE_AUDIO, 0, data.encode(), _PHONEME_EVENTS | _IPA)
+    known = Path(data, "voices", "!v", variant).is_file()  # or espeak-ng speaks without a variant
+    if not known or library.espeak_SetVoiceByName(f"en-us+{variant}".encode()) != 0:
         raise ValueError("unknown voice variant")
     chunks, words, phonemes = [], [], []
 

@@ -10,6 +10,7 @@ import numpy as np
 import torch
 from jaxtyping import Float, Int
 from scipy.spatial.transform import Rotation
+from torch import Tensor
 
 from s2glib.body import Motion
 from s2glib.body.skeleton import FACE_CURVES, PELVIS_HEIGHT, REST_OFFSETS, joint
@@ -68,8 +69,12 @@ def render_gestures(cell: Cell, timing: Timing, intensity: float) -> Gesturing:
     poses[:, joint("jaw"), 0] = jaw
     expression = np.zeros((len(times), 100))
     expression[:, : len(FACE_CURVES)] = curves
-    motion = Motion(*(torch.from_numpy(x).float() for x in (poses, trans, expression)), FPS)
+    motion = Motion(_single(poses), _single(trans), _single(expression), FPS)
     return Gesturing(motion, *meaning(strokes, times, performance.bearing.tempo), strokes)
+
+
+def _single(values: np.ndarray) -> Tensor:
+    return torch.from_numpy(values).float()
 
 
 def _stand(poses, times, performance: Performance, rng):

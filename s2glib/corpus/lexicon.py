@@ -57,7 +57,9 @@ GESTURES = {
     ),
     "box": Gesture("iconic", "both", (0.18, -0.25, 0.55), (0.18, -0.50, 0.60), "in", "flat"),
     "down": Gesture("iconic", "one", (0.15, -0.10, 0.55), (0.20, -0.60, 0.55), "down", "flat"),
-    "walk": Gesture("iconic", "one", (-0.10, -0.35, 0.50), (0.45, -0.25, 0.62), "down", "flat", "hop"),
+    "walk": Gesture(
+        "iconic", "one", (-0.10, -0.35, 0.50), (0.45, -0.25, 0.62), "down", "flat", "hop"
+    ),
     "hug": Gesture("iconic", "both", (0.50, -0.10, 0.50), (-0.05, -0.25, 0.46), "in", "cup"),
     "push": Gesture("iconic", "both", (0.12, -0.25, 0.34), (0.15, -0.15, 0.78), "forward", "open"),
     "break": Gesture("iconic", "both", (0.05, -0.25, 0.52), (0.30, -0.40, 0.50), "down", "fist"),
@@ -74,7 +76,9 @@ GESTURES = {
     "count": Gesture(
         "metaphoric", "both", (0.02, -0.30, 0.52), (0.02, -0.38, 0.54), "in", "point", repeats=3
     ),
-    "stop": Gesture("metaphoric", "one", (0.10, -0.30, 0.34), (0.08, 0.02, 0.72), "forward", "open"),
+    "stop": Gesture(
+        "metaphoric", "one", (0.10, -0.30, 0.34), (0.08, 0.02, 0.72), "forward", "open"
+    ),
     "cut": Gesture("metaphoric", "both", (-0.10, -0.32, 0.52), (0.50, -0.36, 0.52), "down", "flat"),
     "sweep": Gesture("metaphoric", "one", (-0.25, -0.30, 0.55), (0.60, -0.15, 0.50), "up", "open"),
     "away": Gesture("metaphoric", "one", (0.00, -0.25, 0.40), (0.45, 0.05, 0.60), "in", "flat"),

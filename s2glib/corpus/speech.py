@@ -17,10 +17,10 @@ from jaxtyping import Float
 from s2glib.corpus.clock import LEAD_IN, SEED, Reading, Timing, word_places
 from s2glib.corpus.espeak import NATIVE_RATE, Utterance, synthesize
 from s2glib.corpus.script import PROSODY, SENTENCES, VOICES, Cell, Prosody
+from s2glib.data.windows import NOISE_FLOOR_DB
 
 SAMPLE_RATE = 16000
 FRAME_MS = 5.0
-NOISE_FLOOR_DB = -58.0
 _LEVEL_DB = -28.0  # loudness of a neutral reading
 _CONTOUR_SPREAD = 2.2  # semitones: spread of F0 in a neutral reading of any voice
 _SPEECH_STREAM = 1
@@ -32,14 +32,14 @@ class Analysis(NamedTuple):
     semitones: Float[np.ndarray, " t"]  # F0 against the voice's median; nan where unvoiced
     envelope: Float[np.ndarray, "t bins"]  # power
     aperiodicity: Float[np.ndarray, "t bins"]
-    boundaries: Float[np.ndarray, " n+1"]  # seconds
+    boundaries: Float[np.ndarray, " bounds"]  # seconds
 
 
 def _utterance(sentence: int, speaker: str) -> Utterance:
     return synthesize(SENTENCES[sentence].text, VOICES[speaker].variant)
 
 
-def _boundaries(utterance: Utterance) -> Float[np.ndarray, " n+1"]:
+def _boundaries(utterance: Utterance) -> Float[np.ndarray, " bounds"]:
     starts = np.array([start for _, start in utterance.phonemes])
     return np.concatenate([[0.0], starts[1:], [utterance.duration]])
 

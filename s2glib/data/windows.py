@@ -11,6 +11,7 @@ from jaxtyping import Float, Float32
 
 from s2glib.audio import filterbank
 
+WINDOW, HOP = 400, 160  # samples of a filterbank's frame and step at 16 kHz
 NOISE_FLOOR_DB = -58.0  # the corpus' own noise floor; anything quieter is heard as this
 
 
@@ -37,9 +38,8 @@ def speech_window(
         pool: how many 10 ms frames are averaged into one.
     """
     floor = noise_floor(n_mels)
-    shortest = 400
-    if len(samples) < shortest:
-        samples = np.pad(samples, (0, shortest - len(samples)))
+    samples = samples[: (frames * pool - 1) * HOP + WINDOW]
+    samples = np.pad(samples, (0, max(0, WINDOW - len(samples))))
     sound = filterbank(samples, n_mels=n_mels, frames=None)[: frames * pool]
     window = np.broadcast_to(floor, (frames * pool, n_mels)).copy()
     window[: len(sound)] = np.maximum(sound, floor)

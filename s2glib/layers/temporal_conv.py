@@ -51,8 +51,8 @@ class ResidualConv(nn.Module):
         self.norm = nn.GroupNorm(8, channels)
         self.conv = nn.Conv1d(channels, channels, 3, padding=dilation, dilation=dilation)
         self.out = nn.Conv1d(channels, channels, 1)
-        nn.init.zeros_(self.out.weight)
-        nn.init.zeros_(self.out.bias)
+        for parameter in self.out.parameters():
+            nn.init.zeros_(parameter)
 
     def forward(self, x: Float[Tensor, "batch channels time"]) -> Tensor:
         """Refine a track."""

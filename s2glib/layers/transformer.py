@@ -53,17 +53,17 @@ class SkipTransformer(nn.Module):
             raise ValueError(
                 f"a U of layers needs a middle one: give an odd number, not {len(layers)}"
             )
-        self.half = len(layers) // 2
+        self.middle = len(layers) // 2
         self.layers = nn.ModuleList(layers)
-        self.joins = nn.ModuleList(nn.Linear(2 * width, width) for _ in range(self.half))
+        self.joins = nn.ModuleList(nn.Linear(2 * width, width) for _ in range(self.middle))
 
     def forward(self, tokens: Float[Tensor, "batch n width"], *context: Tensor) -> Tensor:
         """Down, through the middle, and up again with skips."""
         kept: list[Tensor] = []
-        for layer in self.layers[: self.half]:
+        for layer in self.layers[: self.middle]:
             tokens = layer(tokens, *context)
             kept.append(tokens)
-        tokens = self.layers[self.half](tokens, *context)
-        for join, layer in zip(self.joins, self.layers[self.half + 1 :], strict=True):
+        tokens = self.layers[self.middle](tokens, *context)
+        for join, layer in zip(self.joins, self.layers[self.middle + 1 :], strict=True):
             tokens = layer(join(torch.cat([tokens, kept.pop()], dim=-1)), *context)
         return tokens

@@ -23,8 +23,9 @@ from s2glib.papers.amuse.front_end import MOTION_FPS, frame_moments, rhythm, tim
 from s2glib.papers.amuse.latent_denoiser import LatentDenoiser, SpeechCondition
 from s2glib.papers.amuse.motion_features import MotionFeatures
 from s2glib.papers.amuse.motion_prior import MotionPrior, prior_losses
-from s2glib.papers.amuse.temporal_prior import start_from_components
+from s2glib.papers.amuse.temporal_prior import TemporalMotionDecoder, start_from_components
 from s2glib.recipes.amuse_disentangler import encode_all, factor_table
+from s2glib.recipes.amuse_face import train_face
 from s2glib.recipes.fit import Chance, Course
 from s2glib.recipes.motion_data import MotionWindows, SpeechOfClips, speech_row
 from s2glib.recipes.speech_data import FactorTable
@@ -42,6 +43,7 @@ DENOISER = Course(
     warm_up=100,
     average=0.998,
 )
+FURTHER_TAKES = range(10, 14)  # of the motion takes; more cost rendering time only
 KL_RAMP = 300  # steps
 CONDITION_DROPOUT = 0.1
 CONDITION_NOISE = 0.3  # of a latent's own spread
@@ -118,6 +120,7 @@ def latent_weights(prior: MotionPrior, denoiser: LatentDenoiser) -> Float[Tensor
     A posture counts for all frames of the window, a local token only for its own.
     """
     decoder = prior.decoder
+    assert isinstance(decoder, TemporalMotionDecoder)
     whole = decoder.posture.weight.norm(dim=0) * math.sqrt(prior.config.frames)
     local = decoder.change.weight.norm(dim=0).expand(prior.config.tokens - 1, -1)
     weights = torch.cat([whole[None], local]) * denoiser.latent_std
@@ -191,9 +194,13 @@ def _noise(shape, chance: Chance) -> Tensor:
 
 
 def motion_cells() -> list[Cell]:
-    """Every performance of the training cells: takes 0 and 1, and the further takes."""
-    train = set(split("train"))
-    performances = [c for c in split("motion") if c._replace(take=speech_take(c.take)) in train]
+    """The training cells' performances: takes 0 and 1, and some of the further takes."""
+    train, motion = set(split("train")), split("motion")
+    performances = [
+        c
+        for c in motion
+        if c.take in FURTHER_TAKES and c._replace(take=speech_take(c.take)) in train
+    ]
     return [*split("train"), *performances]
 
 
@@ -247,7 +254,8 @@ def train_prior(stage: Stage) -> MotionPrior:
 
 
 def train(stage: Stage) -> None:
-    """The stage `amuse-gestures`: the prior, then the denoiser on real speech latents."""
+    """The stage `amuse-gestures`: the face, the prior, the denoiser on real speech latents."""
+    train_face(stage)
     prior = train_prior(stage).eval().requires_grad_(False)
     train_denoiser(stage, prior)
 

@@ -61,10 +61,13 @@ class FactorTable:
         return self.windows[torch.from_numpy(index)].float()
 
     def lookup(self, draw, count: int) -> np.ndarray:
-        """`draw(n)` proposes n tuples of factors; keep proposing until `count` clips exist.
+        """`draw()` proposes `count` tuples of factors; keep proposing until all clips exist.
 
-        A proposal is an array (n, 4); entry i is for batch item i, so that rejected items are
+        A proposal is an array (count, 4); entry i is for batch item i, so that rejected items are
         drawn again without disturbing the others.
+
+        Raises:
+            ValueError: if 200 proposals leave a place open.
         """
         chosen = np.full(count, -1)
         for _ in range(200):

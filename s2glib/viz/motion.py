@@ -46,15 +46,15 @@ def draw_pose(
         )
     )
     head = flat[JOINT_NAMES.index("head")] + (0.0, 0.07)
-    axes.scatter(*head, s=60, color=MIDDLE, zorder=3)
+    axes.scatter(head[0], head[1], s=60, color=MIDDLE, zorder=3)
     return axes
 
 
 def draw_strip(
     axes: Axes,
     positions: Float[np.ndarray, "frames 55 3"],
-    fps: float,
-    times: Sequence[float],
+    fps: float | int,
+    times: Sequence[float | int],
     *,
     view: str = "front",
     spacing: float = 1.3,

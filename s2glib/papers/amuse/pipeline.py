@@ -4,6 +4,7 @@ Paper:    AM Fig. A.4 (inference), A (emotion and style editing)
 Notebook: notebooks/14_emotion_swap_studio.ipynb
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -133,23 +134,37 @@ class Amuse:
         return Heard(latents, tracks, whole, frames)
 
     @torch.no_grad()
-    def gesture(self, heard: Heard, *, generator: torch.Generator) -> Motion:
-        """Sample a motion for what was heard."""
-        count = len(heard.tracks)
-        nothing = torch.zeros(count, 3, dtype=torch.bool)
-        condition = SpeechCondition(heard.latents, heard.tracks, nothing)
-        network = self.denoiser
-        if network.config.prediction == "noise":
+    def sample_windows(
+        self, condition: SpeechCondition, *, generator: torch.Generator, agree: bool = False
+    ) -> Float[Tensor, "n frames features"]:
+        """Sample one window of motion features for each row of a condition.
+
+        Args:
+            condition: what the speech asks of each window.
+            generator: source of the noise.
+            agree: whether the rows are overlapping windows of one recording.
+        """
+        network: Callable[..., Tensor] = self.denoiser
+        if self.denoiser.config.prediction == "noise":
             network = from_noise_prediction(network, self.schedule)
         denoise = guided(
             network, condition, condition.without_emotion(), float(self.sampling.guidance)
         )
-        together = agreeing(denoise, self.prior, self.denoiser, self.sampling.overlap)
+        if agree:
+            denoise = agreeing(denoise, self.prior, self.denoiser, self.sampling.overlap)
         config = self.denoiser.config
+        count = len(condition.tracks)
         noise = torch.randn(count, config.tokens, config.token_dim, generator=generator)
         levels = timesteps(config.levels, self.sampling.steps, "linspace")
-        *_, x0 = sample_ddim(together, noise, self.schedule, timesteps=levels, generator=generator)
-        windows = self.prior.decode(self.denoiser.restore(self.sampling.spread * x0))
+        *_, x0 = sample_ddim(denoise, noise, self.schedule, timesteps=levels, generator=generator)
+        return self.prior.decode(self.denoiser.restore(self.sampling.spread * x0))
+
+    @torch.no_grad()
+    def gesture(self, heard: Heard, *, generator: torch.Generator) -> Motion:
+        """Sample a motion for what was heard."""
+        nothing = torch.zeros(len(heard.tracks), 3, dtype=torch.bool)
+        condition = SpeechCondition(heard.latents, heard.tracks, nothing)
+        windows = self.sample_windows(condition, generator=generator, agree=True)
         track = blend(windows, self.sampling.overlap)[: heard.frames]
         return self._embody(self.prior.features.to_poses(track), heard)
 

@@ -1,0 +1,53 @@
+"""Tables of quality: recompute what the shipped checkpoints reach, and compare with the aims.
+
+Paper:    AM Tab. 1-2, A.1-A.2
+Notebook: notebooks/17_motion_distances.ipynb
+"""
+
+import sys
+from pathlib import Path
+
+from s2glib.folders import data_folder
+from s2glib.recipes.evaluate_amuse_gesture import evaluate_amuse_gesture
+from s2glib.recipes.evaluate_amuse_speech import evaluate_amuse_speech
+from s2glib.recipes.report import table, write_rows
+
+TABLES = {"amuse-speech": evaluate_amuse_speech, "amuse-gesture": evaluate_amuse_gesture}
+NAMES = (*TABLES, "all")
+
+
+def evaluate(
+    name: str, *, json_path: Path | None = None, strict: bool = False, folder: Path | None = None
+) -> int:
+    """Print a table, and write it as JSON.
+
+    Args:
+        name: one of `NAMES`.
+        json_path: where to write the rows.
+        strict: whether a missed aim, or a floor that does not hold, is a failure.
+        folder: of the checkpoints; by default the shipped ones.
+
+    Returns:
+        The exit code: 0, 1 if strict and something is missed, 2 if it cannot be measured.
+
+    Raises:
+        ValueError: for another name, or a checkpoint that does not fit.
+        FileNotFoundError: if a checkpoint is missing.
+    """
+    if name not in NAMES:
+        raise ValueError(f"there are tables for {', '.join(NAMES)}; got {name!r}")
+    folder = folder or data_folder() / "checkpoints"
+    chosen = list(TABLES) if name == "all" else [name]
+    try:
+        rows = [row for one in chosen for row in TABLES[one](folder)]
+    except ImportError as error:
+        print(
+            "the test clips must be made once, which needs the extra: pip install s2glib[corpus] "
+            f"({error})",
+            file=sys.stderr,
+        )
+        return 2
+    print(table(rows))
+    if json_path is not None:
+        write_rows(json_path, rows)
+    return int(strict and any(row.met is False or row.held is False for row in rows))

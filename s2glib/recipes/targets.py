@@ -1,0 +1,99 @@
+"""What the figures should come to: the aims, and the floors that must hold.
+
+Paper:    AM B.2, E, Tab. A.1-A.2 (the paper's own figures, for comparison)
+Notebook: notebooks/17_motion_distances.ipynb
+"""
+
+import math
+from typing import NamedTuple
+
+
+class Bounds(NamedTuple):
+    """Where a figure should lie."""
+
+    low: float = -math.inf
+    high: float = math.inf
+
+    def __str__(self) -> str:
+        """Such as `>= 0.95`, `<= 3` or `0.95 .. 1.05`."""
+        if self.high == math.inf:
+            return f">= {self.low:.4g}"
+        if self.low == -math.inf:
+            return f"<= {self.high:.4g}"
+        return f"{self.low:.4g} .. {self.high:.4g}"
+
+
+class Target(NamedTuple):
+    """What is aimed at, and what must hold at least; None where nothing is asked."""
+
+    aim: Bounds | None = None
+    floor: Bounds | None = None
+
+
+def _least(aim: float, floor: float | None = None) -> Target:
+    return Target(Bounds(low=aim), None if floor is None else Bounds(low=floor))
+
+
+def _most(aim: float, floor: float | None = None) -> Target:
+    return Target(Bounds(high=aim), None if floor is None else Bounds(high=floor))
+
+
+def _near_one(aim: float, floor: float | None = None) -> Target:
+    return Target(Bounds(1 - aim, 1 + aim), None if floor is None else Bounds(1 - floor, 1 + floor))
+
+
+def _gestures(aim: float, floor: float) -> Target:
+    """Accuracy over that of real motion; above 1.05 it is a caricature."""
+    return Target(Bounds(aim, 1.05), Bounds(low=floor))
+
+
+_SENTENCES, _VOICES, _EMOTIONS = 14, 24, 8  # of the test block
+_LEAK = 3.0  # times chance
+
+AMUSE_SPEECH = {
+    "EA": _least(0.97, 0.95),
+    "SA": _least(0.99, 0.98),
+    "EA, unseen sentences": _least(0.95),
+    "SA, unseen sentences": _least(0.98),
+    "EA, unseen voices": _least(0.75, 0.60),
+    "cross content / self": _most(1.015, 1.02),
+    "cross emotion / self": _most(1.015, 1.02),
+    "cross style / self": _most(1.015, 1.02),
+    "reliance on content": _least(1.30, 1.15),
+    "reliance on emotion": _least(1.30, 1.15),
+    "reliance on style": _least(1.30, 1.15),
+    "judge right, emotion": _least(0.95),
+    "judge right, emotion, blurred": _least(0.95),
+    "judge right, voice": _least(0.95),
+    "judge right, voice, blurred": _least(0.95),
+    "emotion edit recognised": _least(0.92, 0.80),
+    "style edit recognised": _least(0.95),
+    "emotion edit recognised, unseen voices": _least(0.65),
+    "edit / target on the source's clock": _most(1.25),
+    "sentence in e": _most(_LEAK / _SENTENCES),
+    "voice in e": _most(_LEAK / _VOICES),
+    "sentence in s": _most(_LEAK / _SENTENCES),
+    "emotion in s": _most(_LEAK / _EMOTIONS),
+    "emotion in c": _most(0.40),
+}
+
+AMUSE_GESTURE = {
+    "GA of real motion, M": Target(Bounds(0.64, 0.75)),
+    "prior: wrist error, cm": _most(1.5, 2.0),
+    "prior: spread / real": _near_one(0.05),
+    "prior: GA / real, M": _least(0.94, 0.90),
+    "GA generated / real, M": _gestures(0.90, 0.75),
+    "GA generated / real, positions": _gestures(0.90, 0.75),
+    "GA edited / real, M": _gestures(0.80, 0.60),
+    "GA edited / real, positions": _gestures(0.80, 0.60),
+    "FGD ratio, M": _most(3.0),
+    "FGD ratio, principal components": _most(3.0, 3.0),
+    "beat margin / real, motion to audio, onsets": _least(0.8, 0.3),
+    "beat margin / real, audio to motion, onsets": _least(0.8, 0.3),
+    "spread of wrists / real": _near_one(0.05, 0.10),
+    "jerk of wrists / real": _most(1.3, 1.5),
+    "wrist speed, anger / sadness, generated": Target(None, Bounds(low=1.5)),
+    "same seed twice, largest difference": _most(0.0),
+}
+
+TARGETS: dict[str, Target] = AMUSE_SPEECH | AMUSE_GESTURE

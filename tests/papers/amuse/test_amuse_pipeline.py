@@ -1,0 +1,142 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+
+from s2glib.audio import Waveform
+from s2glib.body import PELVIS_HEIGHT, Motion, joint
+from s2glib.checkpoint import save_checkpoint
+from s2glib.papers.amuse import Amuse, FaceConfig, LatentDenoiser, Sampling, SpeechFace
+from s2glib.papers.amuse.motion_features import HANDS, UPPER_BODY
+
+
+def noise(seconds, sample_rate=16000, seed=0):
+    rng = np.random.default_rng(seed)
+    swell = np.sin(np.linspace(0, 9 * seconds, int(seconds * sample_rate))) ** 2
+    return Waveform((0.1 * rng.normal(size=len(swell)) * swell).astype(np.float32), sample_rate)
+
+
+def chance(seed=0):
+    return torch.Generator().manual_seed(seed)
+
+
+@pytest.fixture
+def amuse(speech, prior, denoiser):
+    face = SpeechFace(FaceConfig())
+    face.mouth_weights.normal_(std=0.1)
+    speech.emotion_centres.normal_()
+    return Amuse(speech, prior, denoiser, face, Sampling(steps=4, overlap=10))
+
+
+@pytest.mark.parametrize("seconds", [0.5, 4.0, 12.0])
+def test_any_length_of_speech_gets_as_many_frames(amuse, seconds):
+    motion = amuse.generate(noise(seconds), generator=chance())
+    assert isinstance(motion, Motion)  # whose numbers are finite
+    assert motion.frames == seconds * 30
+    assert motion.fps == 30
+
+
+def test_the_same_noise_gives_the_same_motion_and_other_noise_another(amuse):
+    speech = noise(4.0)
+    first, again, other = (amuse.generate(speech, generator=chance(s)).poses for s in (0, 0, 1))
+    assert torch.equal(first, again)
+    assert (first - other).abs().max() > 0.01
+
+
+def test_a_denoiser_of_noise_is_sampled_too(amuse, awake):
+    config = replace(amuse.denoiser.config, prediction="noise")
+    amuse.denoiser = awake(LatentDenoiser(config))
+    assert amuse.generate(noise(2.0), generator=chance()).frames == 60
+
+
+def test_the_rate_of_the_recording_does_not_matter_to_the_length(amuse):
+    motion = amuse.generate(noise(2.0, sample_rate=22050), generator=chance())
+    assert motion.frames == 60
+
+
+def test_a_body_stands_moves_its_upper_half_and_speaks(amuse):
+    motion = amuse.generate(noise(4.0), generator=chance())
+    moving = {*UPPER_BODY, *HANDS, joint("jaw")}
+    still = [j for j in range(55) if j not in moving]
+    assert (motion.poses[:, still] == 0).all()
+    assert (motion.trans == torch.tensor([0.0, PELVIS_HEIGHT, 0.0])).all()
+    jaw = motion.poses[:, joint("jaw"), 0]
+    assert jaw.std() > 0
+    assert 0.02 <= jaw.min() <= jaw.max() <= 0.32 + 1e-6
+    assert (motion.expression[:, 12:] == 0).all()
+
+
+def test_long_speech_is_heard_in_windows_that_share_one_style(amuse):
+    heard = amuse.hear(noise(12.0))
+    windows = len(heard.tracks)
+    assert windows == 12  # (360 - 10) / 30 rounded up
+    style = heard.latents.style
+    assert torch.equal(style, style[:1].expand(windows, -1))
+    assert (heard.latents.emotion.std(0) > 0).any()
+
+
+def test_each_motion_window_hears_its_own_moment(amuse):
+    """A loud second in the middle shows in the tracks of the windows that contain it."""
+    samples = np.zeros(12 * 16000, np.float32)
+    samples[6 * 16000 : 7 * 16000] = noise(1.0).samples
+    energy = amuse.hear(Waveform(samples, 16000)).tracks[..., 0]
+    for window, begin in enumerate(range(0, 360, 30)):
+        for frame in range(40):
+            inside = 6.2 < (begin + frame + 0.5) / 30 < 6.8
+            outside = not 5.8 < (begin + frame + 0.5) / 30 < 7.2
+            if inside:
+                assert energy[window, frame] > energy.min() + 0.1
+            if outside:
+                assert energy[window, frame] < energy.min() + 0.05
+
+
+def test_an_edit_by_number_uses_the_classes_mean_latent(amuse):
+    source = noise(3.0)
+    edited = amuse.edit(source, emotion=2, generator=chance())
+    heard = amuse.hear(source).with_emotion(amuse.speech.emotion_centres[2])
+    assert torch.equal(edited.poses, amuse.gesture(heard, generator=chance()).poses)
+
+
+def test_an_edit_by_donors_takes_their_mean_latents(amuse):
+    source, donor = noise(3.0), noise(2.0, seed=5)
+    edited = amuse.edit(source, emotion=donor, style=donor, generator=chance())
+    latents = amuse.hear(donor).latents
+    heard = amuse.hear(source).with_emotion(latents.emotion.mean(0))
+    heard = heard.with_style(latents.style.mean(0))
+    assert torch.equal(edited.poses, amuse.gesture(heard, generator=chance()).poses)
+    plain = amuse.generate(source, generator=chance())
+    assert edited.frames == plain.frames
+    assert not torch.equal(edited.poses, plain.poses)
+
+
+def test_an_edit_of_nothing_is_refused(amuse):
+    with pytest.raises(ValueError, match="neither"):
+        amuse.edit(noise(1.0), generator=chance())
+
+
+@pytest.mark.parametrize("number", [-1, 8])
+def test_an_emotion_that_does_not_exist_is_refused(amuse, number):
+    with pytest.raises(ValueError, match=f"0 to 7, got {number}"):
+        amuse.edit(noise(1.0), emotion=number, generator=chance())
+
+
+def test_a_folder_of_checkpoints_is_the_whole_system(amuse, tmp_path):
+    parts = {
+        "disentangler": amuse.speech,
+        "prior": amuse.prior,
+        "denoiser": amuse.denoiser,
+        "face": amuse.face,
+    }
+    for name, model in parts.items():
+        save_checkpoint(tmp_path / f"amuse-{name}.safetensors", model, model.config)
+    loaded = Amuse.load(tmp_path, amuse.sampling)
+    speech = noise(1.0)
+    first, second = (system.generate(speech, generator=chance()) for system in (amuse, loaded))
+    assert torch.equal(first.poses, second.poses)
+    assert torch.equal(first.expression, second.expression)
+
+
+def test_a_folder_without_one_of_them_is_refused(tmp_path):
+    with pytest.raises(FileNotFoundError, match="amuse-disentangler"):
+        Amuse.load(tmp_path)
