@@ -21,7 +21,8 @@ FLOORS = (
         "papers.baselines",
     },
     {"recipes", "widgets"},
-    {"teaching", "__main__"},
+    {"teaching", "commands"},
+    {"__main__"},
 )
 TEXT = {".py", ".md", ".js", ".css", ".toml", ".cfg", ".yml", ".yaml", ".cff", ".ipynb", ".json"}
 OUTSIDE = re.compile(r"\.\./shared|[/]work/|parent\W+shared\b")

@@ -29,7 +29,7 @@ NOTEBOOK_NAMES = (
     *("21_cost_and_harm", "22_capstone"),
 )
 NOTEBOOKS = {f"notebooks/{name}.ipynb" for name in NOTEBOOK_NAMES}
-BACKSTAGE = {"recipes", "teaching", "__main__"}  # these work for the notebooks, unseen
+BACKSTAGE = {"recipes", "teaching", "commands", "__main__"}  # these work for the notebooks, unseen
 HEADER = re.compile(
     r"(?P<what>\S[^\n]*\.)\n\n(?:\S.*\n\n)?"
     r"Paper:    (?P<paper>\S[^\n]*)\nNotebook: (?P<notebooks>\S[^\n]*)(?:\n\n\S.*)?",

@@ -1,7 +1,7 @@
 """Adapters for WavLM and wav2vec2: a folder the reader has, in; features per motion frame, out.
 
 Paper:    PT A.2 (wav2vec2), MDD B.5 (WavLM)
-Notebook: notebooks/01_motion_and_sound.ipynb
+Notebook: notebooks/11_losses_and_guidance.ipynb
 """
 
 import json

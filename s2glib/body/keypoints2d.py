@@ -1,7 +1,7 @@
 """Two-dimensional upper-body points from a detector, made comparable between frames.
 
 Paper:    MDD Sup. C
-Notebook: notebooks/01_motion_and_sound.ipynb
+Notebook: notebooks/19_judging_video.ipynb
 """
 
 import torch

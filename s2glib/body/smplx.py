@@ -1,7 +1,7 @@
 """SMPL-X for readers who hold its licence: the model file becomes a `BodyModel` of ours.
 
 Paper:    PT A.2, AM C.2 (SMPL-X bodies)
-Notebook: notebooks/01_motion_and_sound.ipynb
+Notebook: notebooks/21_cost_and_harm.ipynb
 """
 
 import os

@@ -177,10 +177,7 @@ def clear_of_body(
 
 def _held(shift: np.ndarray, width: int = 7) -> np.ndarray:
     """Let a shift begin before it is needed and fade after: no jumps, and never too little."""
-    strongest = shift.copy()
-    size = np.linalg.norm(shift, axis=1)
-    for lag in range(-(width // 2), width // 2 + 1):
-        moved = np.roll(shift, lag, axis=0)
-        larger = np.roll(size, lag) > np.linalg.norm(strongest, axis=1)
-        strongest[larger] = moved[larger]
-    return smooth(strongest, width)
+    padded = np.pad(shift, ((width // 2, width // 2), (0, 0)), mode="edge")
+    nearby = np.lib.stride_tricks.sliding_window_view(padded, width, axis=0)  # (frames, 3, width)
+    largest = np.linalg.norm(nearby, axis=1).argmax(axis=1)
+    return smooth(np.take_along_axis(nearby, largest[:, None, None], axis=2)[..., 0], width)

@@ -82,7 +82,7 @@ def _stand(poses, times, performance: Performance, rng):
     phase = rng.uniform(0, 2 * np.pi)
     rate = 0.5 * performance.manner.sway_rate
     shift = (0.004 + 0.25 * performance.bearing.sway) * np.sin(2 * np.pi * rate * times + phase)
-    tilt = np.arcsin(np.clip(shift / _LEG, -1, 1))
+    tilt = -np.arcsin(np.clip(shift / _LEG, -1, 1))
     for side in SIDES:
         poses[:, joint(f"{side}_hip"), 2] = tilt
         poses[:, joint(f"{side}_ankle"), 2] = -tilt

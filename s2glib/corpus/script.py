@@ -10,16 +10,7 @@ import hashlib
 from itertools import product
 from typing import NamedTuple
 
-EMOTIONS = (
-    "neutral",
-    "happiness",
-    "anger",
-    "sadness",
-    "contempt",
-    "surprise",
-    "fear",
-    "disgust",
-)
+EMOTIONS = ("neutral", "happiness", "anger", "sadness", "contempt", "surprise", "fear", "disgust")
 
 
 class Sentence(NamedTuple):

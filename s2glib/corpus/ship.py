@@ -1,7 +1,7 @@
 """Write what the workbook ships: clips, live-training windows, the clock, and a manifest.
 
 Paper:    AM F
-Notebook: notebooks/01_motion_and_sound.ipynb
+Notebook: notebooks/21_cost_and_harm.ipynb
 """
 
 import hashlib

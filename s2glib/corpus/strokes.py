@@ -18,6 +18,7 @@ from s2glib.data.samples import GESTURE_TYPES
 
 SIDES = ("left", "right")
 EARLY = 0.05  # seconds from the end of a stroke to the stressed vowel
+_FASTEST = 4.5  # arm lengths a second, averaged over a move; its peak is 1.9 times that
 _CENTRE = np.array([0.12, -0.35, 0.50])  # gestures grow and shrink around here
 _ZIGZAG = 0.10  # arm lengths
 _ZIGZAG_DIRECTION = np.array([0.25, 1.0, 0.45])
@@ -114,7 +115,7 @@ def hand_keys(
         if following - end > 0.9 / bearing.tempo:
             away = rest + rng.normal(0, 0.025, 3)
             keys.append(Key(end + 0.55 / bearing.tempo, away, *resting))
-    return _thinned(sorted(keys, key=lambda key: key.time))
+    return _unhurried(_thinned(sorted(keys, key=lambda key: key.time)))
 
 
 def _stroke_keys(stroke: Stroke, performance: Performance, rng) -> list[Key]:
@@ -169,6 +170,17 @@ def _thinned(keys: list[Key], gap: float = 0.06) -> list[Key]:
             kept.pop()
         kept.append(key)
     return kept
+
+
+def _unhurried(keys: list[Key]) -> list[Key]:
+    """Where there is too little time for a move, make the move smaller."""
+    slow = keys[:1]
+    for key in keys[1:]:
+        move = key.place - slow[-1].place
+        room = _FASTEST * (key.time - slow[-1].time)
+        share = min(1.0, room / max(float(np.linalg.norm(move)), 1e-9))
+        slow.append(key._replace(place=slow[-1].place + share * move))
+    return slow
 
 
 def zigzag(

@@ -71,12 +71,13 @@ def load_clip(clip_id: str) -> Clip:
         arrays = {name: stored[name] for name in stored.files}
     expression = np.zeros((len(arrays["poses"]), 100), np.float32)
     expression[:, : arrays["face"].shape[1]] = arrays["face"]
-    tracks = (arrays["poses"], arrays["trans"], expression)
+    tracks = {"poses": arrays["poses"], "trans": arrays["trans"], "expression": expression}
+    single = {name: torch.from_numpy(x.astype(np.float32)) for name, x in tracks.items()}
     return Clip(
         id=clip_id,
         **{name: facts[name] for name in ("sentence", "speaker", "emotion", "take", "intensity")},
         waveform=load(sound),
-        motion=Motion(*(torch.from_numpy(x.astype(np.float32)) for x in tracks), facts["fps"]),
+        motion=Motion(**single, fps=facts["fps"]),
         words=_intervals(arrays, "word"),
         phonemes=_intervals(arrays, "phoneme"),
         semantic=arrays["semantic"].astype(np.float64),

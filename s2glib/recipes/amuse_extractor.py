@@ -7,7 +7,7 @@ Notebook: notebooks/17_motion_distances.ipynb
 """
 
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import torch
 from jaxtyping import Float, Int
@@ -146,7 +146,7 @@ def train_motion_judges(stage: Stage) -> None:
     validation = motion_windows(split("validation"), features, config.frames)
     course = stage.course(EXTRACTOR)
     draw = partial(draw_motion, windows, course)
-    makers = {
+    makers: dict[str, tuple[Any, Any]] = {
         "amuse-extractor": (MotionExtractor, ExtractorObjective),
         "amuse-position-judge": (PositionJudge, PositionObjective),
     }

@@ -23,7 +23,11 @@ from s2glib.papers.amuse.front_end import MOTION_FPS, frame_moments, rhythm, tim
 from s2glib.papers.amuse.latent_denoiser import LatentDenoiser, SpeechCondition
 from s2glib.papers.amuse.motion_features import MotionFeatures
 from s2glib.papers.amuse.motion_prior import MotionPrior, prior_losses
-from s2glib.papers.amuse.temporal_prior import TemporalMotionDecoder, start_from_components
+from s2glib.papers.amuse.temporal_prior import (
+    TemporalMotionDecoder,
+    TemporalMotionEncoder,
+    start_from_components,
+)
 from s2glib.recipes.amuse_disentangler import encode_all, factor_table
 from s2glib.recipes.amuse_face import train_face
 from s2glib.recipes.fit import Chance, Course
@@ -241,9 +245,11 @@ def train_prior(stage: Stage) -> MotionPrior:
     windows = motion_windows(cells, prior.features, prior.config.frames)
     rng = np.random.default_rng(stage.seed)
     clips = rng.permutation(len(cells))[:4096]
-    start_from_components(
-        prior.encoder, prior.decoder, windows.window(clips, windows.any_offset(clips, rng))
-    )
+    encoder, decoder = prior.encoder, prior.decoder
+    assert isinstance(encoder, TemporalMotionEncoder)
+    assert isinstance(decoder, TemporalMotionDecoder)
+    start = windows.window(clips, windows.any_offset(clips, rng))
+    start_from_components(encoder, decoder, start)
     course = stage.course(PRIOR)
     draw = partial(draw_prior, windows, course, kl_weight=prior.config.kl_weight)
     kept, record = stage.train("amuse-prior", PriorObjective(prior), course, draw)

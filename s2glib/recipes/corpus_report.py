@@ -1,7 +1,7 @@
 """A page that shows the corpus: its factors, how it sounds, how it moves, how it is measured.
 
 Paper:    AM E, F, Fig. A.9-A.10
-Notebook: notebooks/01_motion_and_sound.ipynb
+Notebook: -
 """
 
 import html

@@ -19,6 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import torch
 from accelerate import Accelerator
+from accelerate.utils import send_to_device
 from safetensors import safe_open
 from safetensors.torch import save_file
 from torch import Tensor, nn
@@ -77,6 +78,7 @@ class Training:
 
     def __init__(self, objective: nn.Module, course: Course, *, resume_from: Path | None = None):
         self.course, self.step = course, 0
+        self.notes: dict[str, Any] = {}  # saved with the state
         self.accelerator = Accelerator()
         trained = [p for p in objective.parameters() if p.requires_grad]
         optimizer = torch.optim.AdamW(
@@ -95,7 +97,7 @@ class Training:
         began = time.monotonic()
         while self.step < self.course.steps:
             chance = self._chance()
-            loss, terms = self.objective(draw(chance))
+            loss, terms = self.objective(send_to_device(draw(chance), self.accelerator.device))
             for group in self.optimizer.param_groups:
                 group["lr"] = self.course.rate(self.step)
             self.optimizer.zero_grad(set_to_none=True)
@@ -103,9 +105,9 @@ class Training:
             self.accelerator.clip_grad_norm_(self.objective.parameters(), self.course.clip)
             self.optimizer.step()
             self._follow()
-            values = {name: float(value) for name, value in terms.items()}
-            yield StepLog(self.step, float(loss), values, time.monotonic() - began)
+            values = {name: float(value.detach()) for name, value in terms.items()}
             self.step += 1
+            yield StepLog(self.step - 1, float(loss.detach()), values, time.monotonic() - began)
 
     def _chance(self) -> Chance:
         key = [self.course.seed, self.step, self.accelerator.process_index]
@@ -139,7 +141,7 @@ class Training:
             tensors |= {f"average/{k}": v for k, v in self.average.state_dict().items()}
         for number, state in self.optimizer.state_dict()["state"].items():
             tensors |= {f"optimizer/{number}/{k}": v for k, v in state.items()}
-        header = {"step": json.dumps(self.step + 1)}
+        header = {"step": json.dumps(self.step), "notes": json.dumps(self.notes)}
         path.parent.mkdir(parents=True, exist_ok=True)
         unfinished = path.with_suffix(".tmp")
         save_file(
@@ -150,7 +152,7 @@ class Training:
     def load(self, path: Path) -> None:
         """Go on from a file of `save`."""
         with safe_open(path, "pt") as stored:
-            self.step = json.loads(stored.metadata()["step"])
+            self.step, self.notes = (json.loads(stored.metadata()[k]) for k in ("step", "notes"))
             tensors = {name: stored.get_tensor(name) for name in stored.keys()}  # noqa: SIM118
 
         def part(prefix: str) -> dict[str, Tensor]:

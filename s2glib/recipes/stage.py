@@ -10,7 +10,7 @@ import time
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar, cast
 
 from torch import nn
 from tqdm import tqdm
@@ -20,6 +20,7 @@ from s2glib.recipes.fit import Chance, Course, Training
 
 SAVE_EVERY = 60.0  # seconds
 CURVE_EVERY = 50  # steps averaged into one point of the recorded loss curve
+Kept = TypeVar("Kept", bound=nn.Module)
 
 
 @dataclass(frozen=True)
@@ -51,19 +52,19 @@ class Stage:
         return self.folder / "states" / f"{part}-{self.preset}-{self.seed}.safetensors"
 
     def train(
-        self, part: str, objective: nn.Module, course: Course, draw: Callable[[Chance], Any]
-    ) -> tuple[nn.Module, dict[str, Any]]:
+        self, part: str, objective: Kept, course: Course, draw: Callable[[Chance], Any]
+    ) -> tuple[Kept, dict[str, Any]]:
         """Run a course with a progress bar; give back the objective to keep and its record."""
         state = self.state_file(part)
         training = Training(objective, course, resume_from=state if self.resume else None)
         bar = tqdm(total=course.steps, initial=training.step, desc=part, mininterval=2)
-        curve: list[dict[str, float]] = []
+        notes = training.notes  # of the part before a resume, too
+        curve, before = notes.setdefault("curve", []), notes.get("seconds", 0.0)
         window: list[dict[str, float]] = []
         saved = time.monotonic()
-        seconds = 0.0
         for log in training.run(draw):
             bar.update()
-            seconds = log.seconds
+            notes["seconds"] = round(before + log.seconds, 1)
             window.append({"loss": log.loss, **log.terms})
             if len(window) == CURVE_EVERY or log.step + 1 == course.steps:
                 curve.append({"step": log.step + 1, **_means(window)})
@@ -74,8 +75,8 @@ class Stage:
                 saved = time.monotonic()
         bar.close()
         training.save(state)
-        record = {"course": asdict(course), "seconds": round(seconds, 1), "curve": curve}
-        return training.result, record
+        record = {"course": asdict(course), "seconds": notes["seconds"], "curve": curve}
+        return cast(Kept, training.result), record
 
     def publish(
         self, part: str, model: nn.Module, record: dict[str, Any], figures: dict[str, float]
@@ -88,7 +89,8 @@ class Stage:
         path.parent.mkdir(parents=True, exist_ok=True)
         known = {"recipe": self.name, "seed": self.seed, "steps": record["course"]["steps"]}
         metadata = {**known, "figures": figures}
-        save_checkpoint(path, model, model.config, metadata=metadata, half=True)
+        config: Any = model.config
+        save_checkpoint(path, model, config, metadata=metadata, half=True)
         whole = {
             "stage": self.name,
             "part": part,
@@ -96,7 +98,7 @@ class Stage:
             "commit": _commit(),
             **known,
             **record,
-            "config": asdict(model.config),
+            "config": asdict(config),
             "figures": figures,
         }
         runs = self.folder / "runs" / f"{part}-{self.preset}-{self.seed}.json"

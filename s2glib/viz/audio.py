@@ -33,5 +33,7 @@ def draw_words(axes: Axes, words: Sequence[str], starts: Sequence[float]) -> Axe
     """Write words above the axes, each where it starts (seconds)."""
     for word, start in zip(words, starts, strict=True):
         place = axes.get_xaxis_transform()  # x in seconds, y as a share of the height
-        axes.text(start, 1.02, word, transform=place, fontsize=9, rotation=55, rotation_mode="anchor")
+        axes.text(
+            start, 1.02, word, transform=place, fontsize=9, rotation=55, rotation_mode="anchor"
+        )
     return axes

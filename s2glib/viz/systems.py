@@ -60,7 +60,13 @@ SYSTEMS = (
         ),
     ),
 )
-STAGES = ("what goes in", "what it becomes", "what is generated", "what finishes it", "what comes out")
+STAGES = (
+    "what goes in",
+    "what it becomes",
+    "what is generated",
+    "what finishes it",
+    "what comes out",
+)
 _WIDTH, _HEIGHT, _ACROSS, _DOWN = 1.0, 0.5, 1.22, 0.86
 
 
@@ -82,12 +88,13 @@ def draw_systems(axes: Axes) -> Axes:
 
 def _draw_step(axes: Axes, step: Step, colour: str, x: float, y: float) -> None:
     corner = (x - _WIDTH / 2, y - _HEIGHT / 2)
-    look = {"boxstyle": "round,pad=0,rounding_size=0.05", "facecolor": "white"}
-    axes.add_patch(FancyBboxPatch(corner, _WIDTH, _HEIGHT, edgecolor=colour, linewidth=2, **look))
+    box = FancyBboxPatch(corner, _WIDTH, _HEIGHT, boxstyle="round,pad=0,rounding_size=0.05")
+    box.set(facecolor="white", edgecolor=colour, linewidth=2)
+    axes.add_patch(box)
     axes.text(x, y + 0.06, step.what, ha="center", va="center", fontsize=12)
     axes.text(x, y - 0.18, step.notebooks, ha="center", va="center", fontsize=11, color=colour)
 
 
 def _draw_arrow(axes: Axes, colour: str, x: float, y: float) -> None:
-    ends = {"xy": (x - _WIDTH / 2, y), "xytext": (x - _ACROSS + _WIDTH / 2, y)}
-    axes.annotate("", **ends, arrowprops={"arrowstyle": "->", "color": colour, "linewidth": 2})
+    tip, tail = (x - _WIDTH / 2, y), (x - _ACROSS + _WIDTH / 2, y)
+    axes.annotate("", tip, tail, arrowprops={"arrowstyle": "->", "color": colour, "linewidth": 2})

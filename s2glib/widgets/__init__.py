@@ -4,5 +4,16 @@ from s2glib.widgets.demo import Demo, Panel, Slider
 from s2glib.widgets.emotion_swap import EmotionSwapDemo
 from s2glib.widgets.page import write_html
 from s2glib.widgets.player import Player
+from s2glib.widgets.shipped_swap import corpus_swap
+from s2glib.widgets.toy_arm import ToyArm
 
-__all__ = ["Demo", "EmotionSwapDemo", "Panel", "Player", "Slider", "write_html"]
+__all__ = [
+    "Demo",
+    "EmotionSwapDemo",
+    "Panel",
+    "Player",
+    "Slider",
+    "ToyArm",
+    "corpus_swap",
+    "write_html",
+]

@@ -5,14 +5,14 @@ looks (`render`). Everything else is here: the controls, the picture, a spoken d
 self-test that moves the real controls.
 
 Paper:    -
-Notebook: notebooks/00_start_here.ipynb
+Notebook: notebooks/01_motion_and_sound.ipynb
 """
 
 import html
 import math
 import time
 from collections.abc import Mapping, Sequence
-from typing import ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import ipywidgets
 from IPython.display import HTML
@@ -65,8 +65,11 @@ class Demo(ipywidgets.VBox):
         super().__init__([*self._inputs.values(), self._picture, self._spoken])
         self._redraw()
 
-    def render(self, **state) -> Panel:
-        """Draw one state: the same state, the same panel; no widgets inside."""
+    def render(self, *_: Any, **state: Any) -> Panel:
+        """Draw one state: the same state, the same panel; no widgets inside.
+
+        A child names its controls here instead of taking any.
+        """
         raise NotImplementedError(f"{type(self).__name__} does not say how it looks")
 
     @property
@@ -123,7 +126,7 @@ class Demo(ipywidgets.VBox):
             f"<figcaption>{html.escape(panel.alt)}</figcaption></figure>"
             for panel in panels
         )
-        return HTML(f'<div style="display:flex;gap:1em;flex-wrap:wrap">{cells}</div>')
+        return HTML(f'<div style="display:flex;gap:1%;flex-wrap:wrap">{cells}</div>')
 
     def __repr__(self) -> str:
         first = ", ".join(f"{name}={value!r}" for name, value in self._defaults.items())

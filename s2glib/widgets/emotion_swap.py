@@ -27,7 +27,7 @@ class Recording(Protocol):
     """What the demo needs of a clip."""
 
     @property
-    def waveform(self) -> Waveform:
+    def waveform(self) -> Waveform | None:
         """Its sound."""
 
     @property

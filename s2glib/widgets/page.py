@@ -1,7 +1,7 @@
 """The player as one file: a page with body and sound inside, which plays offline by double click.
 
 Paper:    -
-Notebook: notebooks/01_motion_and_sound.ipynb
+Notebook: notebooks/14_emotion_swap_studio.ipynb
 """
 
 import base64

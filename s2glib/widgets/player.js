@@ -180,6 +180,7 @@ class View {
       this.stale = true;
     };
     canvas.addEventListener("wheel", (event) => {
+      if (document.activeElement !== canvas) return; // the page scrolls on over it
       event.preventDefault();
       this.zoom(Math.exp(0.001 * event.deltaY));
     }, { passive: false });

@@ -28,7 +28,7 @@ def arm_at(side, targets, palm, elbow_out=0.0):
     sign = np.array([1.0 if side == "left" else -1.0, 1, 1])
     count = len(targets)
     collar = Rotation.from_rotvec(np.tile([0.0, 0.0, 0.1 * sign[0]], (count, 1)))
-    shoulder = shoulder_places({s: collar for s in SIDES})[side]
+    shoulder = shoulder_places(dict.fromkeys(SIDES, collar))[side]
     wrist = shoulder + targets * sign * ARM
     arm = solve_arm(wrist, palm, side, shoulder, collar, elbow_out)
     upper = collar * arm.shoulder
@@ -132,7 +132,7 @@ def test_points_in_front_of_the_body_are_left_alone():
 def test_hands_that_meet_in_the_chest_come_out_and_keep_apart():
     middle = np.zeros((30, 3))
     forwards = np.tile([0.0, 0.0, 1.0], (30, 1))
-    cleared = clear_of_body({s: middle for s in SIDES}, {s: forwards for s in SIDES})
+    cleared = clear_of_body(dict.fromkeys(SIDES, middle), dict.fromkeys(SIDES, forwards))
     for side in SIDES:
         assert push_out_of_body(cleared[side]) == pytest.approx(0, abs=1e-6)
     gap = np.linalg.norm(cleared["left"] - cleared["right"], axis=1)

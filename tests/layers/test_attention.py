@@ -8,7 +8,10 @@ from s2glib.layers import SelfAttention
 @pytest.mark.parametrize(("width", "heads"), [(8, 1), (24, 4), (64, 8)])
 def test_attention_agrees_with_torchs(width, heads):
     torch.manual_seed(0)
-    ours, theirs = SelfAttention(width, heads), nn.MultiheadAttention(width, heads, batch_first=True)
+    ours, theirs = (
+        SelfAttention(width, heads),
+        nn.MultiheadAttention(width, heads, batch_first=True),
+    )
     theirs.in_proj_weight.data = ours.qkv.weight.data
     theirs.in_proj_bias.data = ours.qkv.bias.data
     theirs.out_proj.load_state_dict(ours.out.state_dict())

@@ -51,7 +51,9 @@ def test_gradients_reach_every_layer_through_the_skips():
     assert all(reached)
     assert sizes[0] > 0
     assert sizes[4] > 0
-    assert sizes[1] == sizes[2] == sizes[3] == 0  # only skips are open: the inner layers are cut off
+    assert (
+        sizes[1] == sizes[2] == sizes[3] == 0
+    )  # only skips are open: the inner layers are cut off
 
 
 @pytest.mark.parametrize("count", [0, 2, 8])

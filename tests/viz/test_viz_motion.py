@@ -25,9 +25,7 @@ def test_a_pose_is_drawn_bone_by_bone_where_the_joints_are(axes):
     assert draw_pose(axes, REST_JOINTS) is axes
     drawn = {tuple(np.round(s, 6).flatten()) for s in bones(axes).get_segments()}
     shown = [j for j, n in enumerate(JOINT_NAMES) if j and "eye" not in n]
-    wanted = {
-        tuple(np.round(REST_JOINTS[[PARENTS[j], j], :2], 6).flatten()) for j in shown
-    }
+    wanted = {tuple(np.round(REST_JOINTS[[PARENTS[j], j], :2], 6).flatten()) for j in shown}
     assert drawn == wanted
 
 

@@ -49,11 +49,12 @@ class QuadrupleLosses(NamedTuple):
     style: Tensor
 
     def total(self, *, content: float = 1.0, classification: float = 1.0) -> Float[Tensor, ""]:
-        """L_dis; the paper's weights are all one."""
-        reconstruction = sum(self[:4])
-        return (
-            reconstruction + content * self.content + classification * (self.emotion + self.style)
-        )
+        """L_dis over four, as each term is a mean over clips; the paper's weights are all one.
+
+        A quadruple has four clips but two content pairs, so L_con counts half.
+        """
+        classes = classification * (self.emotion + self.style)
+        return sum(self[:4]) + classes + 0.5 * content * self.content
 
 
 def l1_norm(

@@ -84,7 +84,7 @@ class LatentDenoiser(nn.Module):
         self, latents: Float[Tensor, "*b tokens dim"]
     ) -> Float[Tensor, "*b tokens dim"]:
         """Latents of the prior as the diffusion sees them."""
-        return (latents - self.latent_mean) / self.latent_std
+        return (latents - self.latent_mean.to(latents)) / self.latent_std.to(latents)
 
     def restore(self, latents: Float[Tensor, "*b tokens dim"]) -> Float[Tensor, "*b tokens dim"]:
         """Back to latents of the prior."""

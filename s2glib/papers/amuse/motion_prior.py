@@ -25,9 +25,8 @@ class MotionPosterior(NamedTuple):
 
     def sample(self, generator: torch.Generator | None) -> Float[Tensor, "batch tokens dim"]:
         """Mean + std * noise, so that gradients reach both."""
-        noise = torch.randn(
-            self.mean.shape, generator=generator, device=self.mean.device, dtype=self.mean.dtype
-        )
+        place = self.mean.device if generator is None else generator.device
+        noise = torch.randn(self.mean.shape, generator=generator, device=place).to(self.mean)
         return self.mean + (self.log_var / 2).exp() * noise
 
 

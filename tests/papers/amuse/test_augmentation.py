@@ -54,7 +54,10 @@ def test_a_shift_moves_frames_and_fills_with_silence(seed):
         fits = []
         for move in range(-6, 5):
             expected = torch.full_like(before, 9.0)
-            source, to = slice(max(0, -move), 40 - max(0, move)), slice(max(0, move), 40 + min(0, move))
+            source, to = (
+                slice(max(0, -move), 40 - max(0, move)),
+                slice(max(0, move), 40 + min(0, move)),
+            )
             expected[to] = before[source]
             fits.append(torch.equal(after, expected))
         assert sum(fits) == 1

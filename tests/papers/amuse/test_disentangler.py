@@ -28,7 +28,13 @@ def decoder_parameters(decoder_width=512, frames=1024, mels=128):
     fusion = 3 * linear(256, 768) + 2 * transformer_layer(768, 2048)
     fusion += 2 * 768 + linear(768, decoder_width)
     layers = 4 * transformer_layer(decoder_width, 2048)
-    return fusion + layers + 2 * decoder_width + linear(decoder_width, 1024) + linear(1024, frames * mels)
+    return (
+        fusion
+        + layers
+        + 2 * decoder_width
+        + linear(decoder_width, 1024)
+        + linear(1024, frames * mels)
+    )
 
 
 def count(module):

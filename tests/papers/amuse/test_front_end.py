@@ -51,7 +51,9 @@ def test_time_tracks_say_which_token_is_spoken_when(speech_config):
     middles = (torch.arange(tokens) + 0.5) * seconds / tokens
     tracks = time_tracks(torch.zeros(1, 352, 2), content, middles[None], speech_config)
     assert tracks.shape == (1, tokens, 2 + 8)
-    torch.testing.assert_close(tracks[0, :, 2:], torch.arange(tokens)[:, None].expand(-1, 8).float())
+    torch.testing.assert_close(
+        tracks[0, :, 2:], torch.arange(tokens)[:, None].expand(-1, 8).float()
+    )
 
 
 def test_time_tracks_keep_the_rhythms_own_time(speech_config):

@@ -90,7 +90,9 @@ def test_a_feature_that_never_changes_does_not_blow_up():
 def test_positions_agree_with_the_whole_body(features, poses):
     places, body = features.positions(features.from_poses(poses)), full_body(poses)
     for number, name in enumerate(SEEN_JOINTS[:7]):
-        torch.testing.assert_close(places[:, number], body.positions[:, joint(name)], atol=1e-4, rtol=0)
+        torch.testing.assert_close(
+            places[:, number], body.positions[:, joint(name)], atol=1e-4, rtol=0
+        )
     for number, (side, sign) in enumerate((("left", 1), ("right", -1)), start=7):
         wrist = joint(f"{side}_wrist")
         along = sign * HAND_LENGTH * body.rotations[:, wrist, :, 0]

@@ -29,7 +29,10 @@ def test_a_sample_has_the_posteriors_mean_and_spread(generator):
 
 
 def test_gradients_reach_mean_and_spread_through_a_sample(generator):
-    mean, log_var = torch.zeros(1, 2, 3, requires_grad=True), torch.zeros(1, 2, 3, requires_grad=True)
+    mean, log_var = (
+        torch.zeros(1, 2, 3, requires_grad=True),
+        torch.zeros(1, 2, 3, requires_grad=True),
+    )
     MotionPosterior(mean, log_var).sample(generator).sum().backward()
     assert torch.equal(mean.grad, torch.ones(1, 2, 3))
     assert (log_var.grad != 0).all()

@@ -9,7 +9,13 @@ from s2glib.papers.amuse import FilterbankDecoder, Fusion
 @pytest.fixture
 def config(speech_config):
     return replace(
-        speech_config, content_dim=4, emotion_dim=8, style_dim=4, n_mels=6, frames=10, decoder_width=8
+        speech_config,
+        content_dim=4,
+        emotion_dim=8,
+        style_dim=4,
+        n_mels=6,
+        frames=10,
+        decoder_width=8,
     )
 
 

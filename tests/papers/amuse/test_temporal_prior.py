@@ -41,7 +41,9 @@ def test_components_are_those_of_the_singular_value_decomposition():
     mean, basis = principal_components(rows, 3)
     scores = (rows - mean) @ torch.linalg.pinv(basis).T
     expected = project(rows.numpy().astype(np.float64), 3)
-    torch.testing.assert_close((mean + scores @ basis.T).double(), torch.from_numpy(expected), atol=1e-3, rtol=0)
+    torch.testing.assert_close(
+        (mean + scores @ basis.T).double(), torch.from_numpy(expected), atol=1e-3, rtol=0
+    )
 
 
 def test_training_starts_as_pca_of_postures_and_of_patches(started, clips):

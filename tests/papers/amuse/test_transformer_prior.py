@@ -16,7 +16,9 @@ def attention(width):
 
 @pytest.fixture
 def small(prior_config):
-    config = replace(prior_config, backbone="transformer", token_dim=8, heads=2, layers=3, hidden=16)
+    config = replace(
+        prior_config, backbone="transformer", token_dim=8, heads=2, layers=3, hidden=16
+    )
     return MotionPrior(config).eval()
 
 
