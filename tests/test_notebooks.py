@@ -1,5 +1,6 @@
 """The committed notebooks: small, compared in every section, and free of what breaks comparison."""
 
+import itertools
 import re
 from pathlib import Path
 
@@ -66,7 +67,7 @@ def test_it_has_one_title_and_no_heading_skips_a_level(notebook):
     levels = [level for level, _ in headings(notebook)]
     assert levels[0] == 1
     assert levels.count(1) == 1
-    assert all(deeper <= level + 1 for level, deeper in zip(levels, levels[1:], strict=False))
+    assert all(deeper <= level + 1 for level, deeper in itertools.pairwise(levels))
 
 
 def test_its_code_holds_nothing_that_breaks_comparison(notebook):
@@ -86,3 +87,38 @@ def test_it_says_what_it_is_for(path, notebook):
     assert card["goals"]
     assert card["minutes"] > 0
     assert all(need < card["id"] for need in card["needs"])
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        "interact(draw, x=3)",
+        "out = widgets.Output()",
+        "import tqdm",
+        "x = 1\n%timeit x",
+        "!pip install x",
+        "start = time.perf_counter()",
+        "load('/home/me/x.wav')",
+        "get('https://x.org')",
+    ],
+)
+def test_forbidden_code_is_found(code):
+    assert FORBIDDEN.findall(code)
+
+
+@pytest.mark.parametrize(
+    ("outputs", "tags", "compared"),
+    [
+        ([{"output_type": "stream", "name": "stdout", "text": "3"}], [], True),
+        (
+            [{"output_type": "stream", "name": "stdout", "text": "3"}],
+            ["nbval-ignore-output"],
+            False,
+        ),
+        ([{"output_type": "display_data", "data": {"image/png": ""}, "metadata": {}}], [], False),
+        ([], [], False),
+    ],
+)
+def test_a_cell_is_compared_where_it_wrote_text(outputs, tags, compared):
+    cell = nbformat.v4.new_code_cell("x", outputs=outputs, metadata={"tags": tags})
+    assert is_compared(nbformat.from_dict(cell)) == compared

@@ -1,64 +1,289 @@
 # ---
 # jupyter:
-#   s2g: {"id": "00", "minutes": 15, "needs": [], "goals": ["check the set-up"], "data": ["shipped"], "budget_s": 25}
+#   s2g: {"id": "00", "minutes": 15, "needs": [], "goals": ["check the set-up", "swap the emotion of a gesture and say what changed", "find your way through the workbook"], "papers": {"AM": ["A", "Fig. A.4"]}, "demos": ["emotion swap"], "data": ["shipped"], "budget_s": 25}
 # ---
 
 # %% [markdown]
-# # Start here
+# # Start here: how does speech become gesture?
 #
-# This workbook teaches how speech becomes gesture. You build three systems of 2024 in full:
+# | | |
+# |---|---|
+# | After this you can | check your set-up; swap the emotion of a gesture and say what changed; find your way through the workbook |
+# | You need | nothing yet |
+# | Time | 15 minutes |
+# | Papers | an overview of all three; AMUSE A and Fig. A.4 |
+# | Data | clips that come with the workbook |
 #
-# - **ProbTalk** turns motion into codes and predicts the missing ones.
-# - **AMUSE** pulls speech apart into what is said, who says it and how it feels, and gestures from the parts.
-# - **S2G-MDDiffusion** bends a picture so that the person in it gestures along.
+# People move their hands when they speak. The words, the rhythm, the mood and the person all show in
+# the movement. Three papers of 2024 taught machines to do the same, each in its own way:
 #
-# Every notebook runs on a laptop, without a network. Run a cell with Shift+Enter.
-
-# %% [markdown]
-# ## Does the set-up work?
+# - **ProbTalk** fills in the missing parts of a motion, face and hands included.
+# - **AMUSE** splits speech into what is said, how it feels and who says it. Then it gestures from the parts.
+# - **S2G-MDDiffusion** takes one picture of a person and makes it gesture.
 #
-# A tone of 440 Hz goes through the sound library. The spectrogram should be brightest at 440 Hz.
+# You will build all three. Everything runs on this computer, without a network.
+#
+# **To run a cell, click it and press Shift+Enter.** Start with the next one.
 
 # %% tags=["s2g-setup"]
-import ipywidgets
-import librosa
-import matplotlib.pyplot as plt
-import numpy as np
-import torch
+from s2glib.teaching import PALETTE, check_environment, figure, report, setup
 
-from s2glib.folders import data_folder
-
-sample_rate = 16000
-tone = np.sin(2 * np.pi * 440 * np.arange(sample_rate) / sample_rate)
-
-# %% tags=["s2g-figure"]
-magnitude = np.abs(librosa.stft(tone, n_fft=1024))  # (frequencies, frames)
-frequencies = librosa.fft_frequencies(sr=sample_rate, n_fft=1024)
-
-figure, axes = plt.subplots(figsize=(6, 2.5), layout="constrained")
-axes.pcolormesh(magnitude[:65])
-axes.set(
-    title="A tone of 440 Hz: one bright line",
-    xlabel="frame",
-    ylabel="frequency (Hz)",
-    yticks=range(0, 65, 16),
-    yticklabels=[f"{frequencies[row]:.0f}" for row in range(0, 65, 16)],
-)
-plt.show()
+setup("00")
 
 # %% [markdown]
-# One bright line at 440 Hz, for the whole second.
+# ## 1. Does your set-up work?
+#
+# The next cell tries each part once. A part that fails tells you how to mend it.
 
 # %%
-loudest = frequencies[magnitude.mean(axis=1).argmax()]
-learned = torch.ones(3, requires_grad=True)
-learned.square().sum().backward()
-verdicts = {
-    "sound": abs(loudest - 440) < 16,
-    "learning": torch.equal(learned.grad, torch.full((3,), 2.0)),
-    "widgets": ipywidgets.IntSlider(7).value == 7,
-    "the shipped data": data_folder().is_dir(),
+works = check_environment()
+
+# %% [markdown]
+# ## 2. Hear a sentence, see a body gesture it
+#
+# A *clip* is a sentence with its gestures. This one is spoken in anger.
+
+# %%
+from s2glib.corpus import SENTENCES
+from s2glib.data import load_clip
+
+clip = load_clip("s04-voice_13-anger-t2")
+report(
+    sentence=SENTENCES[clip.sentence].text,
+    speaker=clip.speaker,
+    emotion=clip.emotion,
+    seconds=clip.motion.duration,
+    frames_per_second=clip.motion.fps,
+)
+
+# %% [markdown]
+# First as still pictures, so that you see it without running anything. The body is our own
+# *mannequin*.
+
+# %% tags=["s2g-figure"]
+import matplotlib.pyplot as plt
+
+from s2glib.body import mannequin
+from s2glib.viz import draw_bodies, draw_systems
+
+body = mannequin()
+moments = [0.5, 1.3, 2.1, 2.9, 3.7, 4.5]
+fig, axes = plt.subplots(figsize=(9, 2.6))
+draw_bodies(axes, clip.motion, body, moments)
+figure(
+    fig, "Six moments of the clip. Watch the hands: they rise, strike and come back several times."
+)
+
+# %% [markdown]
+# Now run the next cell and press **Play**. Drag to look around. The space bar plays and stops; the
+# arrow keys step from frame to frame.
+
+# %% tags=["s2g-media"]
+from s2glib.widgets import Player, corpus_swap
+
+player = Player(clip.motion, clip.waveform, body)
+player
+
+# %% [markdown]
+# The sound is the clock: the body shows the frame that belongs to what you hear. Play it at a slower
+# speed and look for this: *the hands arrive when a stressed syllable begins.* Notebook 01 measures it.
+#
+# ## 3. Swap the emotion
+#
+# What you just saw came from the corpus. From here on a trained network gestures: our small version
+# of **AMUSE**. It works in two steps.
+#
+# 1. It *hears* the sound and writes down three lists of numbers, its *latents*: content (what is said),
+#    emotion (how it feels) and style (who says it).
+# 2. It starts from random noise and turns it, step by step, into a motion that fits the latents.
+#
+# So an emotion can be swapped: keep content and style, put in the emotion latent of another mood, and
+# do step 2 again *from the same noise*. Then only the swap can tell the two motions apart.
+
+# %%
+import torch
+
+from s2glib.corpus import EMOTIONS
+from s2glib.folders import data_folder
+from s2glib.papers.amuse import Amuse
+
+amuse = Amuse.load(data_folder() / "checkpoints")
+
+
+def gesture(heard):
+    """A motion for what was heard, always from the same noise."""
+    return amuse.gesture(heard, generator=torch.Generator().manual_seed(0))
+
+
+def swap(heard, emotion):
+    """The same speech with the mean emotion latent of another mood."""
+    return heard.with_emotion(amuse.emotion_centre(EMOTIONS.index(emotion)))
+
+
+heard = amuse.hear(clip.waveform)
+sad = swap(heard, "sadness")
+report(
+    content_is_kept=torch.equal(sad.latents.content, heard.latents.content),
+    style_is_kept=torch.equal(sad.latents.style, heard.latents.style),
+    emotion_is_kept=torch.equal(sad.latents.emotion, heard.latents.emotion),
+    motion_is_kept=torch.equal(gesture(sad).poses, gesture(heard).poses),
+)
+
+# %% [markdown]
+# Only the emotion latent differs, and the motion follows.
+
+# %% tags=["s2g-figure"]
+fig, rows = plt.subplots(2, 1, figsize=(9, 4.6), sharex=True)
+for axes, motion, title in (
+    (rows[0], gesture(heard), "as it was said: anger"),
+    (rows[1], gesture(sad), "emotion swapped: sadness"),
+):
+    draw_bodies(axes, motion, body, moments)
+    axes.set(title=title, xlabel="")
+rows[1].set(xlabel="time (s)")
+figure(
+    fig,
+    "One sound, two motions from the same noise. "
+    "Compare the height of the hands, the shoulders and the head.",
+    exact=False,
+)
+
+# %% [markdown]
+# The demo does this for every sentence, voice and emotion of the corpus. Choose in the lists, then
+# press Play. **true target** shows how the corpus itself speaks and gestures the sentence in the new
+# emotion.
+
+# %% tags=["s2g-demo"]
+demo = corpus_swap(amuse, body)
+demo.sentence.value, demo.speaker.value = clip.sentence, clip.speaker
+demo.emotion.value, demo.new_emotion.value = "anger", "sadness"
+demo
+
+# %% [markdown]
+# Three things to try:
+#
+# <details><summary>1. Side by side, anger becomes sadness. What changes, and what does not?</summary>
+#
+# Size, speed and posture change. The moments at which the hands arrive stay, because both bodies
+# follow one sound. Face and mouth move to the same words.
+# </details>
+#
+# <details><summary>2. Press "true target". Why does it sound different?</summary>
+#
+# A sad speaker is slower and softer. A swap edits the body only: it never touches the sound. So the
+# target has its own sound and its own clock.
+# </details>
+#
+# <details><summary>3. Compare the true targets of contempt and disgust. Then look at the swaps.</summary>
+#
+# Their hands move equally fast. Contempt lifts the chin and tilts the head; disgust draws the
+# shoulders up and leans back. Do the swaps show it as clearly? What a network finds easy is not
+# always what you find telling.
+# </details>
+
+# %% [markdown]
+# ## 4. Do not trust your eyes: measure
+#
+# A first number: how fast do the wrists move, on average? Below are the corpus (mean of four
+# voices) and the eight swaps of our one clip.
+
+# %% tags=["s2g-figure"]
+from s2glib.body import joint, joint_positions
+
+wrists = [joint("left_wrist"), joint("right_wrist")]
+
+
+def wrist_speed(motion):
+    """Mean speed of both wrists in metres per second."""
+    steps = joint_positions(motion, body)[:, wrists].diff(dim=0).norm(dim=-1)
+    return steps.mean().item() * motion.fps
+
+
+voices = ("voice_01", "voice_03", "voice_05", "voice_13")
+true = {
+    emotion: sum(wrist_speed(load_clip(f"s04-{voice}-{emotion}-t2").motion) for voice in voices) / 4
+    for emotion in EMOTIONS
 }
-for part, works in verdicts.items():
-    print(f"{part}: {'works' if works else 'DOES NOT WORK'}")
-print("the set-up works" if all(verdicts.values()) else "run `python3 workbook.py setup` again")
+edited = {emotion: wrist_speed(gesture(swap(heard, emotion))) for emotion in EMOTIONS}
+
+fig, axes = plt.subplots(figsize=(7, 3.6))
+axes.plot(list(true.values()), EMOTIONS, "o", color=PALETTE["blue"], label="corpus")
+axes.plot(
+    list(edited.values()), EMOTIONS, "s", color=PALETTE["vermilion"], label="swapped by AMUSE"
+)
+axes.set(xlabel="mean wrist speed (m/s)", ylabel="emotion", xlim=(0, None))
+axes.invert_yaxis()
+axes.legend()
+figure(
+    fig,
+    "Mean wrist speed by emotion. In the corpus anger and happiness are fast and sadness is slow; "
+    "a good swap goes the same way.",
+    exact=False,
+)
+
+# %%
+report(
+    anger_is_faster_than_sadness_in_the_corpus=true["anger"] > true["sadness"],
+    anger_is_faster_than_sadness_after_swaps=edited["anger"] > edited["sadness"],
+)
+
+# %% [markdown]
+# One number is not an emotion, of course: speed also depends on the person and the sentence.
+# Notebooks 14 and 17 ask the harder question, whether a judge *recognises* the new emotion.
+#
+# ## 5. The map
+#
+# All three systems turn speech into motion, and all three generate something smaller than motion
+# first. The numbers are the notebooks where you build each step.
+
+# %% tags=["s2g-figure"]
+fig, axes = plt.subplots(figsize=(11, 5.2))
+draw_systems(axes)
+figure(
+    fig,
+    "The three systems, one a row; below each step, the notebooks that build it. "
+    "They differ most in the second column: codes, separated latents, or keypoints.",
+)
+
+# %% [markdown]
+# ## 6. One letter, three meanings
+#
+# Each paper has its own alphabet. When a formula puzzles you, look here first.
+#
+# | letter | in ProbTalk | in AMUSE | in S2G-MDDiffusion |
+# |---|---|---|---|
+# | $A$, $a$ | the audio | a recording | $A$ an affine map, $\mathbf{a}$ audio features |
+# | $c$ | | content latent | the condition: audio and a first frame |
+# | $D$ | speaker identity | decoder of speech | $\mathbf{D}$ the driving image |
+# | $E$ | | encoders $E_c, E_e, E_s$ | keypoint predictor, image encoder, expectation |
+# | $I$ | mask of known frames | | $\mathbf{I}$ the identity matrix |
+# | $K$ | | | number of warps *and* a matrix of the spline |
+# | $M$ | a motion | the feature extractor | number of frames |
+# | $N$ | number of frames | | number of keypoints per warp |
+# | $P$ | | the motion prior, $\mathcal{P}$ | number of candidates *and* a matrix of the spline |
+# | $s$, $S$ | | style latent | $\mathbf{S}$ the source image |
+# | $T$ | | number of frames | number of noise levels; $\mathcal{T}$ a warp |
+# | $w$ | frames behind one code | | weights of the spline |
+# | $\Delta$ | | the denoiser | the Laplace operator |
+#
+# Our code uses words for things (`emotion`, `frames`) and a paper's letter only for matrices.
+#
+# ## 7. How these notebooks work
+#
+# - **Run cells from top to bottom.** Lost? *Kernel > Restart Kernel and Run All Cells* starts afresh.
+# - **Change things.** Another clip, another number: nothing breaks. `git checkout notebooks` brings the
+#   original back.
+# - **The code you see is the code that runs.** Where a notebook shows a function of the package, it
+#   prints the real one, which the tests check.
+# - **Every figure has a caption** that says what to look for, and a line with the extent of its axes.
+#
+# ## 8. What this is not
+#
+# - Nobody was recorded. A program speaks and gestures all clips. In return their factors are *known*,
+#   so that we can check what the papers could only claim.
+# - The voices are synthetic, and so are the emotions: eight recipes, far simpler than people.
+# - The networks are small and were trained on that corpus alone. With a real voice they give *a*
+#   motion; do not expect a good one.
+# - A gesture says something about a person. Notebook 21 is about what may go wrong with that.
+#
+# **Next:** [01 Motion and sound](01_motion_and_sound.ipynb), where you take a clip apart, down to the numbers.

@@ -1,0 +1,629 @@
+# ---
+# jupyter:
+#   s2g: {"id": "01", "minutes": 40, "needs": ["00"], "goals": ["describe a clip as arrays on one clock", "turn joint angles into places and into a surface", "compute the sound features that the papers use", "line up frames and hops", "say why meshes need more than a skeleton file"], "papers": {"MDD": ["B.5"], "AM": ["B.5", "C.2", "Fig. A.8", "F", "G"], "PT": ["A.2"]}, "demos": ["player", "toy arm"], "data": ["shipped"], "budget_s": 25}
+# ---
+
+# %% [markdown]
+# # Motion and sound: what does the computer see and hear?
+#
+# | | |
+# |---|---|
+# | After this you can | describe a clip as arrays on one clock; turn joint angles into places and into a surface; compute the sound features that the papers use; line up frames and hops; say why meshes need more than a skeleton file |
+# | You need | [00 Start here](00_start_here.ipynb) |
+# | Time | 40 minutes |
+# | Papers | MDD B.5; AMUSE B.5, C.2, Fig. A.8, F, G; ProbTalk A.2 |
+# | Data | clips that come with the workbook |
+
+# %% tags=["s2g-setup"]
+import matplotlib.pyplot as plt
+import numpy as np
+import torch
+
+from s2glib.teaching import PALETTE, figure, report, setup, show_source
+
+setup("01")
+
+# %% [markdown]
+# ## 1. One clip, one clock
+#
+# A clip is two streams that share one clock: motion in *frames*, sound in *samples*.
+
+# %%
+from s2glib.body import mannequin
+from s2glib.data import load_clip
+
+clip = load_clip("s04-voice_13-anger-t2")
+motion, sound = clip.motion, clip.waveform
+body = mannequin()
+report(
+    poses=motion.poses.shape,
+    place_of_the_pelvis=motion.trans.shape,
+    face=motion.expression.shape,
+    frames_per_second=motion.fps,
+    samples=len(sound.samples),
+    samples_per_second=sound.sample_rate,
+    seconds_of_motion=motion.duration,
+    seconds_of_sound=len(sound.samples) / sound.sample_rate,
+)
+
+# %% [markdown]
+# Read the first line as *frames x joints x 3*: in every frame each of 55 joints has three numbers
+# that say how it is turned. These are the joints of **SMPL-X**, the body that ProbTalk and AMUSE
+# use: 22 in the body, jaw and eyes, 15 in each hand. Sound has far more samples than motion has
+# frames, but both last equally long. (The motion stops at the last whole frame.)
+
+# %% tags=["s2g-figure"]
+from s2glib.viz import draw_bodies, draw_features, draw_pose, draw_waveform, draw_words
+
+words = [word.name for word in clip.words], [word.start for word in clip.words]
+fig, (top, bottom) = plt.subplots(2, 1, figsize=(9, 4.6), height_ratios=[2, 1])
+draw_bodies(top, motion, body, [0.5, 1.3, 2.1, 2.9, 3.7, 4.5])
+draw_words(draw_waveform(bottom, sound.samples, sound.sample_rate), *words)
+figure(
+    fig,
+    "Above, the body at six moments; below, the sound and its words. "
+    "Find the word that belongs to each pose.",
+)
+
+# %% tags=["s2g-media"]
+from s2glib.widgets import Player, ToyArm
+
+player = Player(motion, sound, body)
+player
+
+# %% [markdown]
+# Drag the time slider below the body: you *scrub* through the frames. In Python, `player.seek(2.1)`
+# does the same, and `player.frame` tells where you are.
+#
+# ## 2. One turn, three ways to write it
+#
+# A body moves by turning its joints. There are three common ways to write down a turn:
+#
+# - **axis-angle**, 3 numbers: the axis, as long as the angle in radians;
+# - **matrix**, 9 numbers: where the x, y and z directions go, one in each column;
+# - **6D**, 6 numbers: the first two rows of the matrix, one after the other.
+#
+# Check one by hand: a quarter turn about the z axis takes x to y.
+
+# %%
+from s2glib.body import axis_angle_to_matrix, matrix_to_axis_angle, matrix_to_sixd, sixd_to_matrix
+
+quarter = torch.tensor([0, 0, np.pi / 2], dtype=torch.float64)
+matrix = axis_angle_to_matrix(quarter)
+report(
+    axis_angle=quarter,
+    matrix=matrix,
+    sixd=matrix_to_sixd(matrix),
+    x_goes_to=matrix @ torch.tensor([1, 0, 0], dtype=torch.float64),
+)
+
+# %% [markdown]
+# Why write six numbers where three would do? Because a network finds it hard to jump. Let a joint turn
+# steadily, one degree a step, all the way round. The body moves smoothly, so its numbers should, too.
+
+# %% tags=["s2g-figure"]
+degrees = torch.arange(361, dtype=torch.float64)
+turning = axis_angle_to_matrix(degrees.deg2rad()[:, None] * torch.tensor([0.0, 0.0, 1.0]))
+forms = {"axis-angle": matrix_to_axis_angle(turning), "6D": matrix_to_sixd(turning)}
+
+fig, panels = plt.subplots(1, 2, figsize=(9, 3), sharex=True)
+for axes, (name, numbers) in zip(panels, forms.items(), strict=True):
+    axes.plot(degrees, numbers)
+    axes.set(title=name, xlabel="turn (degrees)", ylabel="value")
+figure(
+    fig,
+    "One steady turn. Axis-angle jumps at 180 degrees, from one end of the axis to the other; "
+    "the six numbers never jump. (Two pairs of the six lie on each other.)",
+)
+steps = {name: numbers.diff(dim=0).abs().max() for name, numbers in forms.items()}
+report(**{f"largest step of {name}": step for name, step in steps.items()})
+
+# %% [markdown]
+# The second reason: *any* six numbers can be made into a turn, so a network may say what it likes.
+# The function takes the first row as a direction, bends the second until it is square to the first,
+# and finds the third. This is our code, printed from the package:
+
+# %% tags=["s2g-source"]
+show_source(sixd_to_matrix)
+
+# %%
+anything = torch.randn(1000, 6, dtype=torch.float64)
+made = sixd_to_matrix(anything)
+square = (made @ made.mT - torch.eye(3)).abs().max()
+report(
+    rows_are_square_to_each_other=(square < 1e-9).item(),
+    nothing_is_mirrored=bool((torch.linalg.det(made) > 0).all()),
+)
+
+# %% [markdown]
+# **Trap.** The people who proposed 6D keep two *columns*. The code of ProbTalk and AMUSE keeps two
+# *rows*. Mix them up, and every joint turns backwards.
+#
+# ## 3. From turns to places
+#
+# Angles do not tell where a hand is. **Forward kinematics** does: walk from the root to the finger
+# tips, and at every joint add one bone. Joint $j$ hangs on its parent $p$ by an offset $o_j$, and turns
+# by $R_j$:
+#
+# $$G_j = G_p R_j, \qquad x_j = x_p + G_p\, o_j$$
+#
+# $G_j$ is the turn of a joint as seen by the whole body, $x_j$ its place.
+#
+# **Predict first.** An arm has two bones along x: 0.30 m to the elbow, then 0.25 m to the hand. Turn
+# the shoulder by +90 degrees about z, and the elbow by another +90. Where is the hand?
+#
+# <details><summary>Solution by hand</summary>
+#
+# The shoulder turns the upper arm to y, so the elbow is at (0, 0.30). The elbow turns the forearm
+# once more, from y to -x. So the hand is at (-0.25, 0.30).
+# </details>
+
+# %%
+from s2glib.body import forward_kinematics
+
+rest = torch.tensor([[0.0, 0, 0], [0.30, 0, 0], [0.55, 0, 0]], dtype=torch.float64)
+turns = torch.stack([quarter, quarter, torch.zeros_like(quarter)])
+arm = forward_kinematics(axis_angle_to_matrix(turns), rest, parents=(-1, 0, 1))
+report(elbow=arm.positions[1], hand=arm.positions[2])
+
+# %% [markdown]
+# Play with it. A demo first tests itself: below, five settings must give five pictures.
+
+# %% tags=["s2g-selftest"]
+toy = ToyArm()
+toy.selftest()
+toy.strip([{}, {"shoulder": 90}, {"elbow": 90}, {"shoulder": 90, "elbow": 90}])
+
+# %% tags=["s2g-demo"]
+toy
+
+# %% [markdown]
+# Elbow 90 puts the hand at (0.30, 0.25). Now set the elbow to -90, and bring the hand back with the
+# shoulder: at 75 it is almost there. Two poses, one place. So places alone do not tell the pose, and
+# ProbTalk and AMUSE work on angles.
+#
+# The body is the same walk over 55 joints:
+
+# %% tags=["s2g-figure"]
+from s2glib.body import joint, joint_positions
+
+places = joint_positions(motion, body).numpy()  # (frames, 55, 3) metres
+wrist = places[:, joint("right_wrist")]
+fig, views = plt.subplots(1, 2, figsize=(8, 3.6), sharey=True)
+for axes, view, axis in zip(views, ("front", "side"), (0, 2), strict=True):
+    draw_pose(axes, places[45], view=view)
+    axes.plot(wrist[:, axis], wrist[:, 1], color=PALETTE["green"], linewidth=1)
+    axes.set(title=view, xlabel="xyz"[axis] + " (m)", ylabel="y (m)", aspect="equal")
+    axes.set(xlim=(-0.7, 0.7), ylim=(0.85, 1.75))
+figure(
+    fig,
+    "The skeleton at 1.5 s; the body's left is blue, its right vermilion. "
+    "The green line is the path of the right wrist through the whole clip.",
+)
+
+# %% [markdown]
+# S2G-MDDiffusion works on pictures, so it never sees the third number. Its keypoints have x and y only,
+# and it learns by itself where to put them (notebook 03).
+#
+# ## 4. From places to a surface
+#
+# A body is more than bones. **Linear blend skinning** lets each point $v$ of the surface follow several
+# joints, by weights $w_{vj}$ that sum to one. With $t_j$ the joint's place at rest:
+#
+# $$v' = \sum_j w_{vj}\,\bigl(G_j (v - t_j) + x_j\bigr)$$
+#
+# In words: seen from each joint, turn the point with the joint; then mix what the joints say. The
+# formula is two lines of code. The package does the same, in an order that saves memory:
+
+# %%
+from s2glib.body import linear_blend_skinning
+
+rotations = axis_angle_to_matrix(motion.poses[45])
+G, x = forward_kinematics(rotations, body.joints, body.parents)
+from_joint = body.vertices[:, None] - body.joints  # (v, j, 3): v - t_j
+says = torch.einsum("jab,vjb->vja", G, from_joint) + x  # what each joint says
+surface = torch.einsum("vj,vja->va", body.weights, says)
+
+skinned = linear_blend_skinning(body, rotations, torch.zeros(3))
+report(
+    surface_points=len(body.vertices),
+    weights_sum_to_one=torch.allclose(body.weights.sum(1), torch.ones(len(body.vertices))),
+    formula_equals_package=torch.allclose(surface, skinned.vertices, atol=1e-5),
+)
+
+# %% [markdown]
+# **Break it.** What if each point follows its strongest joint only?
+
+# %% tags=["s2g-figure"]
+from dataclasses import replace
+
+from s2glib.body import PELVIS_HEIGHT, Motion
+
+hard = torch.nn.functional.one_hot(body.weights.argmax(1), 55).float()
+bent = torch.zeros(1, 55, 3)
+bent[0, [joint("left_shoulder"), joint("left_elbow")], 2] = torch.tensor([-0.7, 2.2])
+pose = Motion(bent, torch.tensor([[0.0, PELVIS_HEIGHT, 0.0]]), torch.zeros(1, 100), 30)
+
+fig, panels = plt.subplots(1, 2, figsize=(8, 3), sharey=True)
+for axes, weights, title in zip(panels, (body.weights, hard), ("blended", "hard"), strict=True):
+    draw_bodies(axes, pose, replace(body, weights=weights), [0.0])
+    axes.set(title=title, xlim=(0.1, 0.6), ylim=(1.1, 1.5), xlabel="x (m)")
+    axes.set_xticks([0.2, 0.4, 0.6], ["0.2", "0.4", "0.6"])
+figure(
+    fig,
+    "A bent left arm from the front. Look at the elbow: blended weights give a round bend, "
+    "hard weights an edge where the two halves of the sleeve collide.",
+)
+
+# %% [markdown]
+# Hard weights make two stiff tubes. Blended weights bend the skin; the price is that it gets thin
+# where a joint turns far.
+#
+# ## 5. Why a mesh needs more than a skeleton file
+#
+# Motion capture often comes as **BVH**: a text file with bone lengths and one line of angles a frame.
+# A **GLB** file holds a surface as well.
+
+# %%
+import tempfile
+from pathlib import Path
+
+import trimesh
+
+from s2glib.body import read_bvh, skin_motion, write_bvh, write_glb
+
+folder = Path(tempfile.mkdtemp())
+write_bvh(folder / "clip.bvh", motion, body)
+write_glb(folder / "clip.glb", motion, body)
+lines = (folder / "clip.bvh").read_text().splitlines()
+print("\n".join(lines[:8]))
+report(
+    lines_of_skeleton=lines.index("MOTION"),
+    lines_of_angles=len(lines) - lines.index("MOTION") - 3,
+    joints_read_back=len(read_bvh(folder / "clip.bvh").names),
+    lines_about_the_surface=sum("vert" in line.lower() for line in lines),
+    surface_points_in_a_glb_file=len(trimesh.load(folder / "clip.glb").to_mesh().vertices),
+)
+
+# %% [markdown]
+# BVH has no skin, no weights, no girth. So it cannot know whether a hand touches the belly. Give two
+# bodies the very same angles:
+
+# %% tags=["s2g-figure"]
+trunk = body.weights[:, [joint(name) for name in ("pelvis", "spine1", "spine2", "spine3")]].sum(1)
+wider = 1 + 0.4 * trunk[:, None] * torch.tensor([1.0, 0.0, 1.0])
+stout = replace(body, vertices=body.vertices * wider)
+
+
+def gap(person):
+    """Metres from the left wrist to the nearest point of the trunk, frame by frame."""
+    skinned = skin_motion(motion, person)
+    hand = skinned.joints[:, [joint("left_wrist")]]
+    return torch.cdist(hand, skinned.vertices[:, trunk > 0.6]).amin(dim=(1, 2))
+
+
+people = {"slim": body, "stout": stout}
+gaps = {name: gap(person).numpy() for name, person in people.items()}
+closest = gaps["slim"].argmin() / motion.fps
+fig, (*pictures, plot) = plt.subplots(1, 3, figsize=(10, 3), width_ratios=[1, 1, 2])
+for axes, (name, person) in zip(pictures, people.items(), strict=True):
+    draw_bodies(axes, motion, person, [closest], turn=0.7)
+    axes.set_title(name)
+    plot.plot(np.arange(motion.frames) / motion.fps, 100 * gaps[name], label=name)
+plot.set(xlabel="time (s)", ylabel="wrist to trunk (cm)", ylim=(0, None))
+plot.legend()
+figure(
+    fig,
+    "One set of angles on two bodies, at the moment when the left hand is nearest. "
+    "On the stout body the wrist is always closer to the trunk.",
+)
+
+# %% [markdown]
+# Same joints, same angles, another distance: what nearly touches on one body sinks into the other. This is
+# AMUSE's reason to leave BVH aside [AM G]. Its authors got the *marker points* behind the BEAT
+# recordings and fitted SMPL-X to them, shape included. Methods trained on bare skeletons put limbs
+# into bodies once a surface is laid over them [AM Fig. A.8].
+#
+# ## 6. Pictures of sound
+#
+# A waveform hides what an ear hears. So AMUSE first asks: *how much energy is there at each
+# frequency, now?* The **filterbank** cuts the sound into windows of 25 ms, one every 10 ms, and adds up
+# the energy in 128 bands. The bands are narrow for low tones and wide for high ones, as in the ear. Then it
+# takes the logarithm, as loudness does.
+
+# %%
+from s2glib.audio import (
+    HANDCRAFTED_NAMES,
+    chroma,
+    filterbank,
+    handcrafted_features,
+    mfcc,
+    tempogram,
+)
+
+rate = sound.sample_rate
+ten_seconds = np.zeros(10 * rate, np.float32)
+report(
+    this_clip=filterbank(sound.samples, rate, frames=None).shape,
+    ten_seconds=filterbank(ten_seconds, rate, frames=None).shape,
+    as_AMUSE_wants_it=filterbank(ten_seconds, rate).shape,
+)
+
+# %% [markdown]
+# AMUSE reads every 10 s as a picture of 1024 x 128 [AM B.5]. Ten seconds hold 998 windows, so the
+# last 26 rows are padding.
+#
+# Three more pictures ask other questions. **MFCC** keeps the broad shape of each spectrum, which is the
+# shape of the mouth. **Chroma** asks which of twelve pitch classes sounds. The **tempogram** asks after how
+# long the rhythm repeats.
+
+# %% tags=["s2g-figure"]
+cepstrum = mfcc(sound.samples, rate, coefficients=20, hop_length=512)
+pictures = {
+    "mel band": (filterbank(sound.samples, rate, frames=None), 100),
+    "MFCC": ((cepstrum - cepstrum.mean(axis=0)) / cepstrum.std(axis=0), rate / 512),
+    "pitch class": (chroma(sound.samples, rate), rate / 512),
+    "lag (frames)": (tempogram(sound.samples, rate, lags=96), rate / 512),
+}
+fig, panels = plt.subplots(4, 1, figsize=(9, 8), sharex=True)
+for axes, (name, (picture, frame_rate)) in zip(panels, pictures.items(), strict=True):
+    draw_features(axes, picture, frame_rate, name)
+    axes.set(xlabel="", xlim=(0, motion.duration))
+draw_words(panels[0], *words)
+panels[2].set_yticks([0.5, 4.5, 7.5, 11.5], ["C", "E", "G", "B"])
+panels[3].set(xlabel="time (s)")
+figure(
+    fig,
+    "Four pictures of one sentence; bright is much. In the first, a voiced sound is a ladder of bright "
+    "lines, its harmonics; dark gaps are stops. In the third, a bright band is the melody of the voice.",
+)
+
+# %% [markdown]
+# ProbTalk takes another way: a large speech network, wav2vec 2.0, listens to the waveform for it. MDD
+# uses both ways. If you have such a network on disk, `s2glib.audio.load_speech_model` reads it.
+#
+# ## 7. Onsets and beats
+#
+# Gestures care about *when* something starts. **Onset strength** measures how much new energy comes in.
+# **Onsets** are its peaks. **Beats** are a steady pulse fitted to it, as if speech were music.
+
+# %% tags=["s2g-figure"]
+from s2glib.audio import beat_times, onset_strength, onset_times
+
+strength = onset_strength(sound.samples, rate)
+onsets, beats = onset_times(sound.samples, rate), beat_times(sound.samples, rate)
+
+fig, axes = plt.subplots(figsize=(9, 3))
+axes.plot(np.arange(len(strength)) * 512 / 22050, strength, color=PALETTE["black"])
+marks = {
+    "stressed vowels": (clip.stress_times, "*", "vermilion"),
+    "beats": (beats, "d", "green"),
+    "onsets": (onsets, "v", "blue"),
+}
+for row, (name, (times, mark, colour)) in enumerate(marks.items()):
+    height = (1.3 - 0.1 * row) * strength.max()
+    axes.plot(times, np.full(len(times), height), mark, color=PALETTE[colour], label=name)
+axes.set(xlabel="time (s)", ylabel="onset strength")
+axes.legend(loc="upper left", bbox_to_anchor=(1, 1))
+figure(
+    fig,
+    "Onset strength of the sentence. Nearly every stressed vowel has an onset close by, "
+    "but few onsets have a stressed vowel; beats keep a pulse of their own.",
+)
+
+# %%
+nearest = np.abs(onsets[:, None] - clip.stress_times).min(axis=0)
+report(
+    stressed_syllables=len(clip.stress_times),
+    onsets=len(onsets),
+    beats=len(beats),
+    stresses_with_an_onset_within_a_tenth_of_a_second=int((nearest < 0.1).sum()),
+)
+
+# %% [markdown]
+# Onsets find most stressed syllables, and many other things besides. Remember this when a paper scores
+# "beat alignment" (notebook 18): it aligns with onsets, not with stress.
+#
+# ## 8. Many rates, one clock
+#
+# Every stream has its own rate. A *hop* is the number of samples from one window to the next, so
+#
+# $$\text{frames per second} = \frac{\text{samples per second}}{\text{hop}}$$
+
+# %%
+rates = {
+    "motion of ProbTalk and AMUSE": 30,
+    "motion of MDD": 25,
+    "filterbank, hop 160 at 16 kHz": 16000 / 160,
+    "features of MDD, hop 512 at 12.8 kHz": 12800 / 512,
+    "MFCC of ProbTalk, hop 535 at 16 kHz": 16000 / 535,
+}
+report(**rates, seconds_late_after_a_minute_at_hop_535=1800 * 535 / 16000 - 60)
+
+# %% [markdown]
+# Look at the last two rates. MDD resamples its sound to 12.8 kHz, so that one hop of 512 samples *is* one
+# video frame. No whole hop gives 30 frames at 16 kHz: 535 comes close, and after a minute sound and
+# motion are apart by six frames.
+#
+# To change a rate, ask each stream what it does *at a time*, never *at an index*:
+
+# %%
+from s2glib.corpus import Cell, render_motion, resample_motion
+
+at_25 = resample_motion(motion, 25)
+report(
+    frames_at_30=motion.frames,
+    frames_at_25=at_25.frames,
+    features_at_25=handcrafted_features(sound.samples, rate, fps=25).shape,
+    frame_60_at_30_is_at=60 / 30,
+    frame_50_at_25_is_at=50 / 25,
+    they_show_one_pose=torch.allclose(at_25.poses[50], motion.poses[60], atol=1e-4),
+)
+
+# %% [markdown]
+# ## 9. Do gestures follow stressed syllables?
+#
+# In notebook 00 you may have *seen* that hands arrive with stressed syllables. Now measure it: the speed of
+# the wrists, and the moments at which stressed vowels begin.
+
+# %% tags=["s2g-figure"]
+wrists = [joint("left_wrist"), joint("right_wrist")]
+
+
+def wrist_speed(motion):
+    """Mean speed of both wrists (m/s), and the time of each value (s)."""
+    steps = joint_positions(motion, body)[:, wrists].diff(dim=0).norm(dim=-1).mean(dim=1)
+    return steps.numpy() * motion.fps, (np.arange(len(steps)) + 0.5) / motion.fps
+
+
+speed, when = wrist_speed(motion)
+
+fig, axes = plt.subplots(figsize=(9, 3))
+axes.plot(when, speed, color=PALETTE["blue"])
+for moment in clip.stress_times:
+    axes.axvline(moment, color=PALETTE["vermilion"], linestyle="--", linewidth=1.2)
+axes.set(xlabel="time (s)", ylabel="wrist speed (m/s)")
+figure(
+    fig,
+    "Wrist speed in our clip; dashed lines are the starts of stressed vowels. "
+    "Do the hands slow down at the lines? At some they do, at others they do not.",
+)
+
+# %% [markdown]
+# One clip proves little. So take all clips, put every stressed vowel at time zero, and average. Do
+# the same around *random* moments: whatever shows there is chance.
+
+# %% tags=["s2g-figure"]
+from s2glib.data import clips
+
+around = np.linspace(-0.4, 0.4, 25)  # seconds
+rng = np.random.default_rng(0)
+
+
+def mean_speed_around(pick):
+    """Wrist speed around some moments of every clip, as a share of the clip's mean."""
+    tracks = []
+    for name in clips():
+        each = load_clip(name)
+        speed, when = wrist_speed(each.motion)
+        tracks += [np.interp(moment + around, when, speed / speed.mean()) for moment in pick(each)]
+    return np.mean(tracks, axis=0)
+
+
+def random_moments(each):
+    return rng.uniform(each.stress_times.min(), each.stress_times.max(), len(each.stress_times))
+
+
+stressed = mean_speed_around(lambda each: each.stress_times)
+chance = mean_speed_around(random_moments)
+
+fig, axes = plt.subplots(figsize=(7, 3.4))
+axes.plot(around, stressed, color=PALETTE["vermilion"], label="stressed vowels")
+axes.plot(around, chance, color=PALETTE["black"], linestyle="--", label="random moments")
+axes.set(xlabel="time from the moment (s)", ylabel="speed / mean speed", ylim=(0, None))
+axes.legend()
+figure(
+    fig,
+    "Mean wrist speed around stressed vowels and around random moments, over all clips. "
+    "It peaks 0.15 s before the vowel and is lowest as the vowel begins.",
+)
+
+# %%
+report(
+    clips=len(clips()),
+    fastest_before_the_vowel=around[stressed.argmax()] < 0,
+    slow_when_the_vowel_begins=np.interp(0, around, stressed) < 0.8,
+    flat_around_random_moments=np.ptp(chance) < 0.2,
+)
+
+# %% [markdown]
+# The hand strikes first and *arrives* with the vowel. The pattern is as clear as this because our corpus
+# was built with it; in people it is there, but weaker. What matters here: the link between sound and motion lies
+# in *timing*, and now you have a way to see it.
+#
+# ## 10. Where the clips come from
+#
+# No one was recorded. A program writes each clip from its *factors*: which sentence, which voice,
+# which emotion. So you can render a clip again, or one that is not shipped, such as the same sentence
+# by somebody else, and happy:
+
+# %%
+same = render_motion(Cell(4, "voice_13", "anger", 2))
+happy = render_motion(Cell(4, "voice_02", "happiness", 2))
+again = joint_positions(same.motion, body).numpy()
+report(
+    same_recipe_gives_the_shipped_motion=bool(np.abs(again - places).max() < 2e-3),
+    angry_frames=same.motion.frames,
+    happy_frames=happy.motion.frames,
+)
+
+# %% [markdown]
+# The two emotions differ in length: they have their own tempo. Known factors are the workbook's best
+# tool. Later you will ask a network to change the emotion only, and *know* the right answer.
+#
+# ## 11. Paper check
+#
+# Can you derive the numbers that MDD prints in B.5?
+
+# %%
+WAVLM = 1024  # width of WavLM-Large, a speech network that MDD uses beside its own features
+features = handcrafted_features(sound.samples, rate, fps=25)
+groups = {"onset strength": 1, "mfcc": 20, "chroma": 12, "onset": 1, "beat": 1}
+report(
+    numbers_per_frame_of_motion=20 * 5 * 2,
+    seconds_of_80_frames=80 / 25,
+    audio_features=features.shape[1] + WAVLM,
+    our_35=len(HANDCRAFTED_NAMES) == sum(groups.values()) == features.shape[1],
+    with_a_tempogram=sum(groups.values()) + tempogram(sound.samples, rate).shape[1],
+)
+
+# %% [markdown]
+# | claim [MDD B.5] | what we computed | verdict |
+# |---|---|---|
+# | motion is 200 numbers a frame | 20 warps x 5 keypoints x 2 coordinates | holds |
+# | 80 frames are 3.2 s | 80 / 25 | holds |
+# | audio is 1059 numbers a frame | 35 + 1024 | holds |
+# | the 35 hold MFCC, chroma, *tempogram*, onset strength, onset beat | 20 + 12 + 1 + 1 are 34, and beats make 35; a tempogram of the usual size alone has 384 | **does not fit**: the released code has no tempogram |
+#
+# ## 12. Check yourself
+#
+# <details><summary>1. A clip has poses of shape (143, 55, 3). How long is it at 30 fps?</summary>
+#
+# 143 / 30 = 4.77 s.
+# </details>
+#
+# <details><summary>2. Why not let a network say axis-angles?</summary>
+#
+# Near half a turn two almost equal poses have far apart numbers. A network is smooth and will say
+# something between the two, which is neither.
+# </details>
+#
+# <details><summary>3. You double the length of the forearm. Which arrays of the clip change?</summary>
+#
+# None. Bone lengths belong to the body; the clip holds angles. Only the places change.
+# </details>
+#
+# <details><summary>4. Sound at 48 kHz, motion at 30 fps: which hop gives one window a frame?</summary>
+#
+# 48000 / 30 = 1600 samples, a whole number. At 16 kHz it would be 533.3.
+# </details>
+#
+# <details><summary>5. A network moves its hands at random. Would the last figure show it?</summary>
+#
+# Yes: its line would be as flat as the one around random moments.
+# </details>
+#
+# And one without an answer: which of your own movements, while you speak, could *no* sound feature explain?
+#
+# ## Summary
+#
+# - A clip is frames x joints x 3 angles, and samples, on one clock.
+# - Networks say 6D, because it never jumps and every answer is a turn.
+# - Forward kinematics turns angles into places, skinning turns places into a surface.
+# - Filterbank, MFCC, chroma and tempogram ask different questions of one sound.
+# - Gestures arrive with stressed syllables; compare with random moments before you believe it.
+#
+# **Limits.** One synthetic corpus, with fewer habits than any person. Our mannequin has one shape; SMPL-X has
+# many, and a licence of its own (notebook 21).
+#
+# **Back:** [00 Start here](00_start_here.ipynb). **Next:** notebook 02 bends a picture.
