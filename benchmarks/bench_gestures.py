@@ -1,6 +1,6 @@
 """Ten seconds of speech, file in, motion out: the second call in one process, two threads.
 
-    pytest benchmarks/bench_gestures.py
+pytest benchmarks/bench_gestures.py
 """
 
 import pytest
