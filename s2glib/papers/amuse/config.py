@@ -82,7 +82,6 @@ class ExtractorConfig:
     heads: int = 4  # authors' code
     hidden: int = 1024  # authors' code
     emotions: int = 8  # n_e  [AM D]
-    reconstructs: bool = True  # an auto-encoder  [AM D]
     dropout: float = 0.1  # authors' code
 
 

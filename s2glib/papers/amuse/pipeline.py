@@ -6,6 +6,7 @@ Notebook: notebooks/14_emotion_swap_studio.ipynb
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from numbers import Integral
 from pathlib import Path
 
 import numpy as np
@@ -208,8 +209,8 @@ class Amuse:
         if emotion is None and style is None:
             raise ValueError("an edit takes an emotion, a style, or both; got neither")
         heard = self.hear(source)
-        if isinstance(emotion, int):
-            heard = heard.with_emotion(self.emotion_centre(emotion))
+        if isinstance(emotion, Integral):
+            heard = heard.with_emotion(self.emotion_centre(int(emotion)))
         elif emotion is not None:
             heard = heard.with_emotion(self.hear(emotion).latents.emotion.mean(0))
         if style is not None:
