@@ -1,10 +1,12 @@
 import math
+import time
 from typing import ClassVar
 
 import ipywidgets
 import pytest
 
 from s2glib.widgets import Demo, Panel, Slider
+from s2glib.widgets.demo import SLOWEST
 
 
 class Bars(Demo):
@@ -90,7 +92,10 @@ def moody(panel, state, calls=[]):  # noqa: B006
 
 
 def slow(panel, state):
-    return panel._replace(facts={"area": sum(k % 7 for k in range(5_000_000))})
+    began = time.process_time()
+    while time.process_time() - began < 2 * SLOWEST:
+        pass
+    return panel
 
 
 @pytest.mark.parametrize(
