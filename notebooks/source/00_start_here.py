@@ -14,14 +14,14 @@
 # | Papers | an overview of all three; AMUSE A and Fig. A.4 |
 # | Data | clips that come with the workbook |
 #
-# People move their hands when they speak. The words, the rhythm, the mood and the person all show in
-# the movement. Three papers of 2024 taught machines to do the same, each in its own way:
+# People move their hands when they speak. The words, the rhythm, the emotion and the person all show
+# in the movement. Three papers of 2024 taught machines to do the same, each in its own way:
 #
 # - **ProbTalk** fills in the missing parts of a motion, face and hands included.
 # - **AMUSE** splits speech into what is said, how it feels and who says it. Then it gestures from the parts.
 # - **S2G-MDDiffusion** takes one picture of a person and makes it gesture.
 #
-# You will build all three. Everything runs on this computer, without a network.
+# You will build all three. Everything runs on this computer, without the internet.
 #
 # **To run a cell, click it and press Shift+Enter.** Start with the next one.
 
@@ -41,7 +41,8 @@ works = check_environment()
 # %% [markdown]
 # ## 2. Hear a sentence, see a body gesture it
 #
-# A *clip* is a sentence with its gestures. This one is spoken in anger.
+# A *clip* is a sentence with its gestures. The name of this one says: sentence 4, voice 13, anger,
+# take 2 (each sentence was spoken more than once).
 
 # %%
 from s2glib.corpus import SENTENCES
@@ -57,8 +58,8 @@ report(
 )
 
 # %% [markdown]
-# First as still pictures, so that you see it without running anything. The body is our own
-# *mannequin*.
+# First as still pictures of one *stroke*, so that you see it without running anything. The body is
+# our own *mannequin*.
 
 # %% tags=["s2g-figure"]
 import matplotlib.pyplot as plt
@@ -67,11 +68,13 @@ from s2glib.body import mannequin
 from s2glib.viz import draw_bodies, draw_systems
 
 body = mannequin()
-moments = [0.5, 1.3, 2.1, 2.9, 3.7, 4.5]
-fig, axes = plt.subplots(figsize=(9, 2.6))
+moments = [0.5, 0.7, 0.8, 0.9, 1.0, 1.1]
+fig, axes = plt.subplots(figsize=(9, 2.2))
 draw_bodies(axes, clip.motion, body, moments)
 figure(
-    fig, "Six moments of the clip. Watch the hands: they rise, strike and come back several times."
+    fig,
+    "Six moments around the word 'never'. Watch the hands: they gather at the chest, "
+    "strike outwards, and arrive.",
 )
 
 # %% [markdown]
@@ -95,10 +98,12 @@ player
 #
 # 1. It *hears* the sound and writes down three lists of numbers, its *latents*: content (what is said),
 #    emotion (how it feels) and style (who says it).
-# 2. It starts from random noise and turns it, step by step, into a motion that fits the latents.
+# 2. It starts from random numbers, called *noise*, and turns them, step by step, into a motion that
+#    fits the latents.
 #
-# So an emotion can be swapped: keep content and style, put in the emotion latent of another mood, and
-# do step 2 again *from the same noise*. Then only the swap can tell the two motions apart.
+# So an emotion can be swapped: keep content and style, put in the latent of another emotion, averaged
+# over clips of that emotion, and do step 2 again *from the same noise*. So any difference comes from
+# the swap.
 
 # %%
 import torch
@@ -110,13 +115,13 @@ from s2glib.papers.amuse import Amuse
 amuse = Amuse.load(data_folder() / "checkpoints")
 
 
-def gesture(heard):
-    """A motion for what was heard, always from the same noise."""
-    return amuse.gesture(heard, generator=torch.Generator().manual_seed(0))
+def gesture(heard, start=0):
+    """A motion for what was heard; the same start gives the same noise."""
+    return amuse.gesture(heard, generator=torch.Generator().manual_seed(start))
 
 
 def swap(heard, emotion):
-    """The same speech with the mean emotion latent of another mood."""
+    """The same speech with the mean latent of another emotion."""
     return heard.with_emotion(amuse.emotion_centre(EMOTIONS.index(emotion)))
 
 
@@ -126,14 +131,15 @@ report(
     content_is_kept=torch.equal(sad.latents.content, heard.latents.content),
     style_is_kept=torch.equal(sad.latents.style, heard.latents.style),
     emotion_is_kept=torch.equal(sad.latents.emotion, heard.latents.emotion),
-    motion_is_kept=torch.equal(gesture(sad).poses, gesture(heard).poses),
+    same_noise_gives_the_same_motion=torch.equal(gesture(sad).poses, gesture(sad).poses),
 )
 
 # %% [markdown]
-# Only the emotion latent differs, and the motion follows.
+# Only the emotion latent differs. Does the motion follow?
 
 # %% tags=["s2g-figure"]
-fig, rows = plt.subplots(2, 1, figsize=(9, 4.6), sharex=True)
+fig, rows = plt.subplots(2, 1, figsize=(9, 4.2), sharex=True)
+moments = [0.5, 1.3, 2.1, 2.9, 3.7, 4.5]
 for axes, motion, title in (
     (rows[0], gesture(heard), "as it was said: anger"),
     (rows[1], gesture(sad), "emotion swapped: sadness"),
@@ -176,16 +182,17 @@ demo
 #
 # <details><summary>3. Compare the true targets of contempt and disgust. Then look at the swaps.</summary>
 #
-# Their hands move equally fast. Contempt lifts the chin and tilts the head; disgust draws the
-# shoulders up and leans back. Do the swaps show it as clearly? What a network finds easy is not
+# Their hands move almost equally fast. Contempt lifts the chin; disgust lowers it and raises the
+# shoulders. They tilt to opposite sides. Do the swaps show it as clearly? What a network finds easy is not
 # always what you find telling.
 # </details>
 
 # %% [markdown]
 # ## 4. Do not trust your eyes: measure
 #
-# A first number: how fast do the wrists move, on average? Below are the corpus (mean of four
-# voices) and the eight swaps of our one clip.
+# A first number: how fast do the wrists move, on average? Below is one voice with one sentence, as the
+# corpus gestures it in eight emotions, and the eight swaps of our one clip. Noise moves a body, too; so
+# every swap is made from eight starts.
 
 # %% tags=["s2g-figure"]
 from s2glib.body import joint, joint_positions
@@ -199,37 +206,61 @@ def wrist_speed(motion):
     return steps.mean().item() * motion.fps
 
 
-voices = ("voice_01", "voice_03", "voice_05", "voice_13")
 true = {
-    emotion: sum(wrist_speed(load_clip(f"s04-{voice}-{emotion}-t2").motion) for voice in voices) / 4
-    for emotion in EMOTIONS
+    emotion: wrist_speed(load_clip(f"s04-voice_13-{emotion}-t2").motion) for emotion in EMOTIONS
 }
-edited = {emotion: wrist_speed(gesture(swap(heard, emotion))) for emotion in EMOTIONS}
+swaps = {
+    emotion: [gesture(swap(heard, emotion), start) for start in range(8)] for emotion in EMOTIONS
+}
+starts = {emotion: [wrist_speed(motion) for motion in swaps[emotion]] for emotion in EMOTIONS}
+edited = {emotion: sum(starts[emotion]) / 8 for emotion in EMOTIONS}
 
 fig, axes = plt.subplots(figsize=(7, 3.6))
+for emotion, speeds in starts.items():
+    axes.plot(speeds, [emotion] * 8, ".", color=PALETTE["vermilion"], alpha=0.4)
 axes.plot(list(true.values()), EMOTIONS, "o", color=PALETTE["blue"], label="corpus")
-axes.plot(
-    list(edited.values()), EMOTIONS, "s", color=PALETTE["vermilion"], label="swapped by AMUSE"
-)
+axes.plot(list(edited.values()), EMOTIONS, "s", color=PALETTE["vermilion"], label="mean of swaps")
 axes.set(xlabel="mean wrist speed (m/s)", ylabel="emotion", xlim=(0, None))
 axes.invert_yaxis()
-axes.legend()
+axes.legend(loc="upper left", bbox_to_anchor=(1, 1))
 figure(
     fig,
-    "Mean wrist speed by emotion. In the corpus anger and happiness are fast and sadness is slow; "
-    "a good swap goes the same way.",
+    "Wrist speed of one voice by emotion; small dots are single starts. In the corpus sadness, "
+    "contempt and disgust are slow. The swaps differ less, and one start can hide it.",
     exact=False,
 )
 
 # %%
+from scipy.stats import spearmanr
+
+shoulders = [joint("left_shoulder"), joint("right_shoulder")]
+
+
+def drop(motion):
+    """Mean height of the shoulders above the wrists in metres."""
+    heights = joint_positions(motion, body)[..., 1]
+    return (heights[:, shoulders] - heights[:, wrists]).mean().item()
+
+
+agreement = spearmanr(list(true.values()), list(edited.values())).statistic
 report(
-    anger_is_faster_than_sadness_in_the_corpus=true["anger"] > true["sadness"],
-    anger_is_faster_than_sadness_after_swaps=edited["anger"] > edited["sadness"],
+    swaps_move_half_to_twice_as_fast_as_the_corpus=all(
+        0.5 < edited[emotion] / true[emotion] < 2 for emotion in EMOTIONS
+    ),
+    hands_hang_below_the_shoulders=all(
+        drop(motion) > 0 for motions in swaps.values() for motion in motions
+    ),
+    sadness_is_slower_than_anger_after_swaps=edited["sadness"] < edited["anger"],
+    rank_correlation_is_above_one_half=agreement > 0.5,
 )
 
 # %% [markdown]
+# Each line could have come out False. *Rank correlation* compares the two orders from slow to fast: 1
+# means the same order, 0 no relation. The swaps keep some of the order, but far from all of it.
+#
 # One number is not an emotion, of course: speed also depends on the person and the sentence.
-# Notebooks 14 and 17 ask the harder question, whether a judge *recognises* the new emotion.
+# Notebooks 14 and 17 ask the harder question: does a *judge*, a second network that names the
+# emotion, recognise the new one?
 #
 # ## 5. The map
 #
@@ -248,7 +279,10 @@ figure(
 # %% [markdown]
 # ## 6. One letter, three meanings
 #
-# Each paper has its own alphabet. When a formula puzzles you, look here first.
+# Each paper has its own alphabet. Our code uses words for things (`emotion`, `frames`) and a paper's
+# letter only for matrices. When a formula puzzles you, look here first.
+#
+# <details><summary>The letters</summary>
 #
 # | letter | in ProbTalk | in AMUSE | in S2G-MDDiffusion |
 # |---|---|---|---|
@@ -265,22 +299,20 @@ figure(
 # | $T$ | | number of frames | number of noise levels; $\mathcal{T}$ a warp |
 # | $w$ | frames behind one code | | weights of the spline |
 # | $\Delta$ | | the denoiser | the Laplace operator |
-#
-# Our code uses words for things (`emotion`, `frames`) and a paper's letter only for matrices.
+# </details>
 #
 # ## 7. How these notebooks work
 #
 # - **Run cells from top to bottom.** Lost? *Kernel > Restart Kernel and Run All Cells* starts afresh.
-# - **Change things.** Another clip, another number: nothing breaks. `git checkout notebooks` brings the
-#   original back.
-# - **The code you see is the code that runs.** Where a notebook shows a function of the package, it
-#   prints the real one, which the tests check.
-# - **Every figure has a caption** that says what to look for, and a line with the extent of its axes.
+# - **Change things.** Another clip, another number: nothing breaks.
+#   `git checkout notebooks/00_start_here.ipynb` restores this one; your changes in it are lost.
+# - **Every figure has a caption** that says what to look for. Where the numbers are the same on every
+#   machine, a line below tells the extent of its axes.
 #
 # ## 8. What this is not
 #
-# - Nobody was recorded. A program speaks and gestures all clips. In return their factors are *known*,
-#   so that we can check what the papers could only claim.
+# - Nobody was recorded. A program speaks and gestures all clips. In return their factors (sentence,
+#   voice, emotion) are *known*, so that we can check what the papers could only claim.
 # - The voices are synthetic, and so are the emotions: eight recipes, far simpler than people.
 # - The networks are small and were trained on that corpus alone. With a real voice they give *a*
 #   motion; do not expect a good one.

@@ -2,7 +2,7 @@
 
 from s2glib.audio.features import HANDCRAFTED_NAMES, handcrafted_features
 from s2glib.audio.io import Waveform, load, resample, save, stream
-from s2glib.audio.rhythm import beat_times, onset_strength, onset_times
+from s2glib.audio.rhythm import FRAME_RATE, beat_times, onset_strength, onset_times
 from s2glib.audio.spectral import (
     chroma,
     chroma_cens,
@@ -15,6 +15,7 @@ from s2glib.audio.spectral import (
 from s2glib.audio.speech_models import load_speech_model, wav2vec2_features, wavlm_features
 
 __all__ = [
+    "FRAME_RATE",
     "HANDCRAFTED_NAMES",
     "Waveform",
     "beat_times",

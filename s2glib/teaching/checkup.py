@@ -15,6 +15,7 @@ AGAIN = "run `python3 workbook.py setup`, then restart this notebook"
 RESTORE = "restore the folder data_samples from the repository"
 EXTENSIONS = ("@jupyter-widgets/jupyterlab-manager", "anywidget")
 SHIPPED = 128
+SLOWEST, FASTEST = 0.1, 2.0  # metres per second, mean of a wrist
 
 
 def check_packages() -> None:
@@ -73,11 +74,22 @@ def check_body() -> None:
 
 
 def check_networks() -> None:
-    """The trained networks can be read."""
+    """The trained networks hear a clip and move a body neither slower nor faster than people do."""
+    import torch
+
+    from s2glib.audio import load
+    from s2glib.body import joint, joint_positions, mannequin
+    from s2glib.data import clips
     from s2glib.folders import data_folder
     from s2glib.papers.amuse import Amuse
 
-    Amuse.load(data_folder() / "checkpoints")
+    amuse = Amuse.load(data_folder() / "checkpoints")
+    heard = amuse.hear(load(data_folder() / "clips" / f"{clips()[0]}.flac"))
+    motion = amuse.gesture(heard, generator=torch.Generator().manual_seed(0))
+    wrist = joint_positions(motion, mannequin())[:, joint("right_wrist")]
+    speed = wrist.diff(dim=0).norm(dim=-1).mean().item() * motion.fps
+    if not SLOWEST < speed < FASTEST:  # nor is nan
+        raise RuntimeError(f"the wrist moves at {speed:.2f} m/s")
 
 
 PARTS: Mapping[str, tuple[Callable[[], None], str]] = {

@@ -14,7 +14,7 @@ from matplotlib.axes import Axes
 def draw_waveform(axes: Axes, samples: Float[np.ndarray, " n"], sample_rate: int) -> Axes:
     """Draw a waveform over seconds."""
     axes.plot(np.arange(len(samples)) / sample_rate, samples, "k-", linewidth=0.4)
-    axes.set(xlabel="time (s)", ylabel="pressure")
+    axes.set(xlabel="time (s)", ylabel="amplitude (no unit)")
     return axes
 
 
@@ -30,10 +30,11 @@ def draw_features(
 
 
 def draw_words(axes: Axes, words: Sequence[str], starts: Sequence[float]) -> Axes:
-    """Write words above the axes, each where it starts (seconds)."""
-    for word, start in zip(words, starts, strict=True):
-        place = axes.get_xaxis_transform()  # x in seconds, y as a share of the height
-        axes.text(
-            start, 1.02, word, transform=place, fontsize=9, rotation=55, rotation_mode="anchor"
+    """Write words above the axes on three levels in turn, each where it starts (seconds)."""
+    place = axes.get_xaxis_transform()  # x in seconds, y as a share of the height
+    for count, (word, start) in enumerate(zip(words, starts, strict=True)):
+        above = (0, 3 + 11 * (count % 3))
+        axes.annotate(
+            word, (start, 1), above, xycoords=place, textcoords="offset points", fontsize=9
         )
     return axes

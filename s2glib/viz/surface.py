@@ -63,7 +63,7 @@ def draw_bodies(
     times: Sequence[float],
     *,
     turn: float = 0.0,
-    spacing: float = 0.95,
+    spacing: float = 1.35,
 ) -> Axes:
     """Draw a body at the given seconds, from left to right, hips to head.
 
@@ -84,6 +84,6 @@ def draw_bodies(
         draw_surface(axes, surface, faces, colors, turn=turn, shift=place * spacing)
     places = spacing * np.arange(len(times))
     axes.set_xticks(places, [f"{time:.1f}" for time in times])
-    axes.set(xlim=(-0.6, places[-1] + 0.6), ylim=(0.75, 1.85))
+    axes.set(xlim=(-0.7, places[-1] + 0.7), ylim=(0.75, 1.85))
     axes.set(xlabel="time (s)", ylabel="height (m)")
     return axes

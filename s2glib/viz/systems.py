@@ -62,7 +62,7 @@ SYSTEMS = (
 )
 STAGES = (
     "what goes in",
-    "what it becomes",
+    "how motion or\nspeech is written",
     "what is generated",
     "what finishes it",
     "what comes out",
@@ -81,7 +81,7 @@ def draw_systems(axes: Axes) -> Axes:
             _draw_step(axes, step, system.colour, column * _ACROSS, middle)
             if column:
                 _draw_arrow(axes, system.colour, column * _ACROSS, middle)
-    axes.set(xlim=(-0.55, 4 * _ACROSS + 0.55), ylim=(-2 * _DOWN - 0.3, 0.75))
+    axes.set(xlim=(-0.55, 4 * _ACROSS + 0.55), ylim=(-2 * _DOWN - 0.3, 0.9))
     axes.axis("off")
     return axes
 

@@ -1,7 +1,10 @@
 import importlib.metadata
 
 import pytest
+import torch
 
+from s2glib.body import Motion
+from s2glib.papers.amuse import Amuse
 from s2glib.teaching import check_environment, checkup
 
 
@@ -22,7 +25,7 @@ def test_each_part_gets_a_line_and_a_fault_its_cure(capsys):
     assert (second, last) == ("sound     works", "Mend the lines in capitals.")
 
 
-@pytest.mark.parametrize("name", ["packages", "widgets", "sound", "learning", "body"])
+@pytest.mark.parametrize("name", ["packages", "widgets", "sound", "learning", "body", "networks"])
 def test_a_part_of_this_set_up_works(name):
     assert check_environment({name: checkup.PARTS[name]})
 
@@ -37,6 +40,15 @@ def test_a_missing_extension_is_found(monkeypatch):
     monkeypatch.setattr(checkup, "EXTENSIONS", ("no-such-extension",))
     with pytest.raises(RuntimeError, match="no-such-extension"):
         checkup.check_widgets()
+
+
+def test_networks_that_hold_a_body_still_are_found(monkeypatch):
+    def stand(amuse, heard, *, generator):
+        return Motion(torch.zeros(9, 55, 3), torch.zeros(9, 3), torch.zeros(9, 100), 30)
+
+    monkeypatch.setattr(Amuse, "gesture", stand)
+    with pytest.raises(RuntimeError, match=r"0\.00 m/s"):
+        checkup.check_networks()
 
 
 @pytest.mark.parametrize("name", ["clips", "body", "networks"])

@@ -31,5 +31,12 @@ def test_features_rise_from_the_bottom_and_last_as_long_as_their_frames(axes):
 
 def test_words_stand_above_the_moment_they_start(axes):
     assert draw_words(axes, ["look", "there"], [0.4, 0.9]) is axes
-    places = [(text.get_text(), text.get_position()) for text in axes.texts]
-    assert places == [("look", (0.4, 1.02)), ("there", (0.9, 1.02))]
+    places = [(text.get_text(), text.xy) for text in axes.texts]
+    assert places == [("look", (0.4, 1)), ("there", (0.9, 1))]
+
+
+def test_neighbouring_words_stand_on_different_levels(axes):
+    draw_words(axes, ["it", "fell", "on", "us"], [0.1, 0.2, 0.3, 0.4])
+    first, second, third, fourth = (text.get_position()[1] for text in axes.texts)
+    assert len({first, second, third}) == 3
+    assert fourth == first
