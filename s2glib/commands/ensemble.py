@@ -38,7 +38,7 @@ def shared_sizes(amuse: Amuse) -> dict[str, tuple]:
         "emotions": (len(EMOTIONS), speech.emotions, face.emotions),
         "mel bands": (speech.n_mels, face.n_mels),
         "content, emotion and style latents": (_latents(speech), _latents(denoiser)),
-        "tracks": (2 + speech.content_dim // speech.content_tokens, denoiser.track_features),
+        "tracks": (3 + speech.content_dim // speech.content_tokens, denoiser.track_features),
         "motion tokens": (
             (prior.tokens, prior.token_dim),
             (denoiser.tokens, denoiser.token_dim),

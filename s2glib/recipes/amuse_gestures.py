@@ -19,10 +19,11 @@ from s2glib.corpus.script import Cell, speech_take, split
 from s2glib.diffusion import NoiseSchedule, add_noise
 from s2glib.papers.amuse.config import DENOISER_PRESETS, PRIOR_PRESETS, SpeechConfig
 from s2glib.papers.amuse.disentangler import SpeechDisentangler, SpeechLatents
-from s2glib.papers.amuse.front_end import MOTION_FPS, frame_moments, rhythm, time_tracks
+from s2glib.papers.amuse.front_end import MOTION_FPS, frame_moments, time_tracks
 from s2glib.papers.amuse.latent_denoiser import LatentDenoiser, SpeechCondition
 from s2glib.papers.amuse.motion_features import MotionFeatures
 from s2glib.papers.amuse.motion_prior import MotionPrior, prior_losses
+from s2glib.papers.amuse.stress_listener import StressListener, heard_rhythm
 from s2glib.papers.amuse.temporal_prior import (
     TemporalMotionDecoder,
     TemporalMotionEncoder,
@@ -30,6 +31,7 @@ from s2glib.papers.amuse.temporal_prior import (
 )
 from s2glib.recipes.amuse_disentangler import encode_all, factor_table
 from s2glib.recipes.amuse_face import train_face
+from s2glib.recipes.amuse_stress import train_stress
 from s2glib.recipes.fit import Chance, Course
 from s2glib.recipes.motion_data import MotionWindows, SpeechOfClips, speech_row
 from s2glib.recipes.speech_data import FactorTable
@@ -50,6 +52,7 @@ DENOISER = Course(
 FURTHER_TAKES = range(10, 14)  # of the motion takes; more cost rendering time only
 KL_RAMP = 300  # steps
 CONDITION_DROPOUT = 0.1
+DONATED = 0.5  # share of conditions whose content, or emotion, comes from another clip
 CONDITION_NOISE = 0.3  # of a latent's own spread
 
 
@@ -163,17 +166,21 @@ class GestureData:
         self.windows, self.rows, self.speech = windows, torch.from_numpy(rows), speech
         self.prior, self.config = prior, config
         self.spread = SpeechLatents(*(latent.std(0) for latent in speech.latents))
+        self.of_sentence = _rows_by([cell.sentence for cell in windows.cells], rows)
+        self.of_emotion = _rows_by([cell.emotion for cell in windows.cells], rows)
 
     def draw(self, model: LatentDenoiser, course: Course, chance: Chance) -> DenoiserStep:
         """Windows from anywhere, conditions with fresh noise, some of them dropped."""
         count = course.batch
         clips = chance.rng.integers(len(self.windows.cells), size=count)
         offsets = self.windows.any_offset(clips, chance.rng)
-        condition = self.condition(clips, offsets)
+        speech = self.speech.take(self.rows[torch.from_numpy(clips)])
+        latents = self._with_donors(speech.latents, clips, chance)
+        condition = self._condition(speech._replace(latents=latents), offsets)
         noisy = SpeechLatents(
             *(
                 latent + CONDITION_NOISE * spread * _noise(latent.shape, chance)
-                for latent, spread in zip(condition.latents, self.spread, strict=True)
+                for latent, spread in zip(latents, self.spread, strict=True)
             )
         )
         dropped = torch.rand(count, 3, generator=chance.generator) < CONDITION_DROPOUT
@@ -183,14 +190,44 @@ class GestureData:
         condition = condition._replace(latents=noisy, dropped=dropped)
         return DenoiserStep(x0, condition, t, _noise(x0.shape, chance))
 
+    def _with_donors(
+        self, latents: SpeechLatents, clips: np.ndarray, chance: Chance
+    ) -> SpeechLatents:
+        """Half of the time take c from any clip of the sentence, and e from any of the emotion.
+
+        So c is not asked for the emotion that it still whispers, nor e for the clip.
+        """
+        cells = [self.windows.cells[clip] for clip in clips]
+        content = _donors([self.of_sentence[c.sentence] for c in cells], chance)
+        emotion = _donors([self.of_emotion[c.emotion] for c in cells], chance)
+        swap = torch.from_numpy(chance.rng.random((2, len(clips), 1)) < DONATED)
+        heard = self.speech.latents
+        return latents._replace(
+            content=torch.where(swap[0], heard.content[content], latents.content),
+            emotion=torch.where(swap[1], heard.emotion[emotion], latents.emotion),
+        )
+
     def condition(self, clips: np.ndarray, offsets: np.ndarray) -> SpeechCondition:
         """What the speech of these clips asks of windows at these frames."""
-        speech = self.speech.take(self.rows[torch.from_numpy(clips)])
+        return self._condition(self.speech.take(self.rows[torch.from_numpy(clips)]), offsets)
+
+    def _condition(self, speech: SpeechOfClips, offsets: np.ndarray) -> SpeechCondition:
         begin = torch.from_numpy(offsets)[:, None] / MOTION_FPS
         moments = (begin + frame_moments(self.windows.frames)).float()
         tracks = time_tracks(speech.rhythm, speech.latents.content, moments, self.config)
-        nothing: Bool[Tensor, "batch 3"] = torch.zeros(len(clips), 3, dtype=torch.bool)
+        nothing: Bool[Tensor, "batch 3"] = torch.zeros(len(offsets), 3, dtype=torch.bool)
         return SpeechCondition(speech.latents, tracks, nothing)
+
+
+def _rows_by(keys: list, rows: np.ndarray) -> dict[object, np.ndarray]:
+    """The speech rows that share a key."""
+    labels = np.array(keys)
+    return {key: np.unique(rows[labels == key]) for key in set(keys)}
+
+
+def _donors(candidates: list[np.ndarray], chance: Chance) -> Tensor:
+    """One row out of each list."""
+    return torch.tensor([int(chance.rng.choice(rows)) for rows in candidates])
 
 
 def _noise(shape, chance: Chance) -> Tensor:
@@ -221,9 +258,12 @@ def fit_features(cells: list[Cell]) -> MotionFeatures:
     return features
 
 
-def speech_of(model: SpeechDisentangler, table: FactorTable) -> SpeechOfClips:
+@torch.no_grad()
+def speech_of(
+    model: SpeechDisentangler, stress: StressListener, table: FactorTable
+) -> SpeechOfClips:
     """Latents and rhythm of every clip of a table."""
-    tracks = [rhythm(table.windows[i : i + 128].float()) for i in range(0, len(table.windows), 128)]
+    tracks = [heard_rhythm(windows.float(), stress) for windows in table.windows.split(128)]
     return SpeechOfClips(encode_all(model, table), torch.cat(tracks))
 
 
@@ -260,20 +300,22 @@ def train_prior(stage: Stage) -> MotionPrior:
 
 
 def train(stage: Stage) -> None:
-    """The stage `amuse-gestures`: the face, the prior, the denoiser on real speech latents."""
+    """The stage `amuse-gestures`: face, stress, prior, and the denoiser on real speech latents."""
     train_face(stage)
+    train_stress(stage)
     prior = train_prior(stage).eval().requires_grad_(False)
     train_denoiser(stage, prior)
 
 
 def train_denoiser(stage: Stage, prior: MotionPrior) -> None:
-    """The second half of the stage; the disentangler's checkpoint must be there."""
+    """The second half of the stage; disentangler and stress listener must be there."""
     folder = stage.folder / "checkpoints"
     speech = load_checkpoint(folder / "amuse-disentangler.safetensors", SpeechDisentangler)
     torch.manual_seed(stage.seed)
     spoken, cells = split("train"), motion_cells()
     windows = motion_windows(cells, prior.features, prior.config.frames)
-    heard = speech_of(speech, factor_table("train", speech.config))
+    stress = load_checkpoint(folder / "amuse-stress.safetensors", StressListener)
+    heard = speech_of(speech, stress, factor_table("train", speech.config))
     data = GestureData(windows, speech_row(cells, spoken), heard, prior, speech.config)
     denoiser = LatentDenoiser(DENOISER_PRESETS[stage.preset])
     clips = np.random.default_rng(stage.seed).permutation(len(cells))[:4096]

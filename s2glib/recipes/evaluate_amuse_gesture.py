@@ -18,11 +18,12 @@ from torch import Tensor
 from s2glib.checkpoint import load_checkpoint
 from s2glib.corpus.build import Request, onset_set, timing_of
 from s2glib.corpus.script import EMOTIONS, Cell, split
-from s2glib.papers.amuse.front_end import frame_moments, rhythm, time_tracks
+from s2glib.papers.amuse.front_end import frame_moments, time_tracks
 from s2glib.papers.amuse.latent_denoiser import SpeechCondition
 from s2glib.papers.amuse.motion_extractor import MotionExtractor, PositionJudge
 from s2glib.papers.amuse.motion_prior import MotionPrior
 from s2glib.papers.amuse.pipeline import Amuse
+from s2glib.papers.amuse.stress_listener import heard_rhythm
 from s2glib.recipes.amuse_gestures import motion_windows
 from s2glib.recipes.donors import emotion_donors
 from s2glib.recipes.evaluate_beats import beat_rows
@@ -155,7 +156,7 @@ def first_window_condition(amuse: Amuse, speech: Encoded) -> SpeechCondition:
     """What the first seconds of each clip ask of its first motion window."""
     count = len(speech.clips.cells)
     moments = frame_moments(amuse.prior.config.frames).expand(count, -1)
-    heard = rhythm(speech.clips.windows)
+    heard = heard_rhythm(speech.clips.windows, amuse.stress)
     tracks = time_tracks(heard, speech.latents.content, moments, amuse.speech.config)
     return SpeechCondition(speech.latents, tracks, torch.zeros(count, 3, dtype=torch.bool))
 
@@ -163,7 +164,7 @@ def first_window_condition(amuse: Amuse, speech: Encoded) -> SpeechCondition:
 def with_guidance(amuse: Amuse, guidance: float) -> Amuse:
     """The same networks, sampled with another guidance."""
     sampling = replace(amuse.sampling, guidance=guidance)
-    return Amuse(amuse.speech, amuse.prior, amuse.denoiser, amuse.face, sampling)
+    return Amuse(amuse.speech, amuse.prior, amuse.denoiser, amuse.stress, amuse.face, sampling)
 
 
 def sample(amuse: Amuse, condition: SpeechCondition) -> Float[Tensor, "n frames 90"]:

@@ -64,7 +64,7 @@ class SpeechOfClips(NamedTuple):
     """What the disentangler hears in many clips: latents, and rhythm over the speech window."""
 
     latents: SpeechLatents
-    rhythm: Float[Tensor, "n frames 2"]
+    rhythm: Float[Tensor, "n frames 3"]
 
     def take(self, index: Tensor) -> "SpeechOfClips":
         """Some of the clips."""

@@ -16,6 +16,7 @@ from s2glib.papers.amuse.disentangler import SpeechDisentangler
 from s2glib.papers.amuse.latent_denoiser import LatentDenoiser
 from s2glib.papers.amuse.motion_prior import MotionPrior
 from s2glib.papers.amuse.speech_face import FaceConfig, SpeechFace
+from s2glib.papers.amuse.stress_listener import StressConfig, StressListener
 
 
 def untrained() -> dict[str, torch.nn.Module]:
@@ -29,7 +30,13 @@ def untrained() -> dict[str, torch.nn.Module]:
     denoiser.latent_std.fill_(0.1)
     torch.nn.init.uniform_(face.emotion_faces)
     prior.features.fit(0.3 * torch.randn(200, 55, 3))
-    return {"disentangler": speech, "prior": prior, "denoiser": denoiser, "face": face}
+    return {
+        "disentangler": speech,
+        "prior": prior,
+        "denoiser": denoiser,
+        "stress": StressListener(StressConfig()),
+        "face": face,
+    }
 
 
 def sentence(seconds: float, rate: int = 16000) -> np.ndarray:

@@ -67,7 +67,7 @@ def windows(rng):
 @pytest.fixture
 def gesture_data(windows):
     latents = SpeechLatents(torch.randn(64, 64), torch.randn(64, 6), torch.randn(64, 7))
-    speech = SpeechOfClips(latents, torch.randn(64, 352, 2))
+    speech = SpeechOfClips(latents, torch.randn(64, 352, 3))
     prior = MotionPrior(PRIOR).eval()
     return amuse_gestures.GestureData(windows, np.arange(64)[::-1].copy(), speech, prior, SPEECH)
 

@@ -23,6 +23,7 @@ from s2glib.papers.amuse.motion_features import MotionFeatures
 from s2glib.papers.amuse.motion_prior import MotionPrior
 from s2glib.papers.amuse.pipeline import Amuse, Sampling
 from s2glib.papers.amuse.speech_face import FaceConfig, SpeechFace
+from s2glib.papers.amuse.stress_listener import StressConfig, StressListener
 from s2glib.recipes.evaluate_amuse_gesture import (
     check_statistics,
     generator_rows,
@@ -155,7 +156,8 @@ def amuse(features):
     prior.features = features
     nn.init.normal_(denoiser.out.weight, std=0.1)
     speech, face = SpeechDisentangler(TEACHING_SPEECH), SpeechFace(FaceConfig())
-    return Amuse(speech, prior, denoiser, face, Sampling(steps=2))
+    stress = StressListener(StressConfig())
+    return Amuse(speech, prior, denoiser, stress, face, Sampling(steps=2))
 
 
 @pytest.fixture

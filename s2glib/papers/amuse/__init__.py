@@ -40,6 +40,7 @@ from s2glib.papers.amuse.speech_encoder import PatchEncoder, patch_grid
 from s2glib.papers.amuse.speech_face import FaceConfig, SpeechFace
 from s2glib.papers.amuse.speech_judge import SpeechJudge, SpeechOpinion
 from s2glib.papers.amuse.stitching import agreeing, blend, cut, window_starts
+from s2glib.papers.amuse.stress_listener import StressConfig, StressListener, heard_rhythm
 from s2glib.papers.amuse.temporal_prior import start_from_components
 
 __all__ = [
@@ -79,10 +80,13 @@ __all__ = [
     "SpeechJudge",
     "SpeechLatents",
     "SpeechOpinion",
+    "StressConfig",
+    "StressListener",
     "agreeing",
     "blend",
     "cut",
     "factor_swap_losses",
+    "heard_rhythm",
     "latent_reliance",
     "patch_grid",
     "prior_losses",

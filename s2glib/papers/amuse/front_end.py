@@ -51,12 +51,12 @@ def rhythm(
 
 
 def time_tracks(
-    rhythm: Float[Tensor, "batch frames 2"],
+    rhythm: Float[Tensor, "batch frames rhythms"],
     content: Float[Tensor, "batch content"],
     moments: Float[Tensor, "batch m"],
     config: SpeechConfig,
 ) -> Float[Tensor, "batch m tracks"]:
-    """What a speech window does at given seconds: energy, onsets, and its content token.
+    """What a speech window does at given seconds: its rhythm, and its content token.
 
     Content tokens divide the window equally, so a moment's place says which one is spoken.
     """

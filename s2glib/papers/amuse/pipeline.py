@@ -6,7 +6,6 @@ Notebook: notebooks/14_emotion_swap_studio.ipynb
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from numbers import Integral
 from pathlib import Path
 
 import numpy as np
@@ -23,7 +22,6 @@ from s2glib.papers.amuse.disentangler import SpeechDisentangler, SpeechLatents
 from s2glib.papers.amuse.front_end import (
     MOTION_FPS,
     frame_moments,
-    rhythm,
     sample_track,
     speech_input,
     time_tracks,
@@ -32,6 +30,7 @@ from s2glib.papers.amuse.latent_denoiser import LatentDenoiser, SpeechCondition
 from s2glib.papers.amuse.motion_prior import MotionPrior
 from s2glib.papers.amuse.speech_face import SpeechFace
 from s2glib.papers.amuse.stitching import agreeing, blend, window_starts
+from s2glib.papers.amuse.stress_listener import StressListener, heard_rhythm
 
 SAMPLE_RATE = 16000
 
@@ -40,9 +39,9 @@ SAMPLE_RATE = 16000
 class Sampling:
     """How gestures are sampled; chosen on validation clips (ours)."""
 
-    steps: int = 16
-    guidance: float = 2.0  # on emotion; 1 is none
-    spread: float = 1.1  # factor on the final latent, against under-dispersion
+    steps: int = 8
+    guidance: float = 3.0  # on emotion; 1 is none
+    spread: float = 1.02  # factor on the final latent, against under-dispersion
     overlap: int = 30  # frames that neighbouring windows share
 
 
@@ -69,12 +68,13 @@ class Heard:
 
 
 class Amuse:
-    """The four trained networks and how they work together.
+    """The five trained networks and how they work together.
 
     Args:
         speech: the disentangler.
         prior: the motion prior.
         denoiser: the latent denoiser.
+        stress: the listener for stressed vowels.
         face: jaw, lips and the emotion's face.
         sampling: steps, guidance and overlap.
     """
@@ -84,17 +84,18 @@ class Amuse:
         speech: SpeechDisentangler,
         prior: MotionPrior,
         denoiser: LatentDenoiser,
+        stress: StressListener,
         face: SpeechFace,
         sampling: Sampling | None = None,
     ):
         self.speech, self.prior = speech.eval(), prior.eval()
-        self.denoiser, self.face = denoiser.eval(), face.eval()
+        self.denoiser, self.stress, self.face = denoiser.eval(), stress.eval(), face.eval()
         self.sampling = sampling or Sampling()
         self.schedule = NoiseSchedule.scaled_linear(denoiser.config.levels)
 
     @classmethod
     def load(cls, folder: Path, sampling: Sampling | None = None) -> "Amuse":
-        """Read the four checkpoints of a folder.
+        """Read the five checkpoints of a folder.
 
         Raises:
             FileNotFoundError: if one is missing.
@@ -104,6 +105,7 @@ class Amuse:
             load_checkpoint(folder / "amuse-disentangler.safetensors", SpeechDisentangler),
             load_checkpoint(folder / "amuse-prior.safetensors", MotionPrior),
             load_checkpoint(folder / "amuse-denoiser.safetensors", LatentDenoiser),
+            load_checkpoint(folder / "amuse-stress.safetensors", StressListener),
             load_checkpoint(folder / "amuse-face.safetensors", SpeechFace),
             sampling,
         )
@@ -130,7 +132,7 @@ class Amuse:
         latents = latents._replace(style=latents.style.mean(0).expand_as(latents.style))
         offsets = torch.tensor(starts) / MOTION_FPS - torch.tensor(begins)
         moments = offsets[:, None] + frame_moments(window)
-        tracks = time_tracks(rhythm(heard), latents.content, moments, config)
+        tracks = time_tracks(heard_rhythm(heard, self.stress), latents.content, moments, config)
         whole = speech_input(samples, replace(config, frames=_frames_of(ends, config.pool)))
         return Heard(latents, tracks, whole, frames)
 
@@ -209,10 +211,10 @@ class Amuse:
         if emotion is None and style is None:
             raise ValueError("an edit takes an emotion, a style, or both; got neither")
         heard = self.hear(source)
-        if isinstance(emotion, Integral):
-            heard = heard.with_emotion(self.emotion_centre(int(emotion)))
-        elif emotion is not None:
+        if isinstance(emotion, Waveform):
             heard = heard.with_emotion(self.hear(emotion).latents.emotion.mean(0))
+        elif emotion is not None:
+            heard = heard.with_emotion(self.emotion_centre(int(emotion)))
         if style is not None:
             heard = heard.with_style(self.hear(style).latents.style.mean(0))
         return self.gesture(heard, generator=generator)

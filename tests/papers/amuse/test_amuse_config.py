@@ -31,7 +31,7 @@ def test_the_parts_of_a_preset_fit_together(speech, prior, denoiser):
 
 def test_time_tracks_of_the_teaching_preset_fill_its_local_tokens():
     speech, prior, denoiser = TEACHING_SPEECH, TEACHING_PRIOR, TEACHING_DENOISER
-    assert denoiser.track_features == 2 + speech.content_dim // speech.content_tokens
+    assert denoiser.track_features == 3 + speech.content_dim // speech.content_tokens
     local_tokens = denoiser.tokens - denoiser.global_tokens
     assert local_tokens * denoiser.frames_per_token == prior.frames == TEACHING_EXTRACTOR.frames
     assert speech.frames * speech.pool / 100 > prior.frames / 30  # a motion window hears itself

@@ -9,6 +9,7 @@ from s2glib.body import PELVIS_HEIGHT, Motion, joint
 from s2glib.checkpoint import save_checkpoint
 from s2glib.papers.amuse import Amuse, FaceConfig, LatentDenoiser, Sampling, SpeechFace
 from s2glib.papers.amuse.motion_features import HANDS, UPPER_BODY
+from s2glib.papers.amuse.stress_listener import StressConfig, StressListener
 
 
 def noise(seconds, sample_rate=16000, seed=0):
@@ -26,7 +27,8 @@ def amuse(speech, prior, denoiser):
     face = SpeechFace(FaceConfig())
     face.mouth_weights.normal_(std=0.1)
     speech.emotion_centres.normal_()
-    return Amuse(speech, prior, denoiser, face, Sampling(steps=4, overlap=10))
+    stress = StressListener(StressConfig())
+    return Amuse(speech, prior, denoiser, stress, face, Sampling(steps=4, overlap=10))
 
 
 @pytest.mark.parametrize("seconds", [0.5, 4.0, 12.0])
@@ -126,6 +128,7 @@ def test_a_folder_of_checkpoints_is_the_whole_system(amuse, tmp_path):
         "disentangler": amuse.speech,
         "prior": amuse.prior,
         "denoiser": amuse.denoiser,
+        "stress": amuse.stress,
         "face": amuse.face,
     }
     for name, model in parts.items():
