@@ -21,7 +21,7 @@ from s2glib.audio import Waveform, onset_times
 from s2glib.corpus.clock import Timing, readings, timing
 from s2glib.corpus.gestures import render_gestures
 from s2glib.corpus.intensity import intensity
-from s2glib.corpus.script import Cell, check_cell, speech_take
+from s2glib.corpus.script import Cell, check_cell, speech_take, split
 from s2glib.corpus.speech import SAMPLE_RATE, render_speech
 from s2glib.data.samples import Clip, Interval
 from s2glib.data.windows import speech_window
@@ -135,6 +135,22 @@ def onset_set(
 ) -> list[Float[np.ndarray, " _"]]:
     """Seconds of the onsets in the requested clips' speech, rendered where the cache lacks them."""
     return [e["onsets"] for e in _gather("onsets", requests, _render_onsets, processes)]
+
+
+def render_split(name: str) -> int:
+    """Render a split into the cache, motion and (but for further performances) speech.
+
+    Returns:
+        How many clips it has.
+
+    Raises:
+        ValueError: if there is no such split.
+    """
+    cells = split(name)
+    motion_set(cells)
+    if name != "motion":
+        speech_set([Request(cell) for cell in cells])
+    return len(cells)
 
 
 def _render_windows(request: Request) -> dict[str, np.ndarray]:

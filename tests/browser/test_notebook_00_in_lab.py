@@ -84,6 +84,7 @@ def test_the_wheel_scrolls_past_a_body_until_it_is_clicked(demo):
 def test_formulas_are_set(lab):
     page = lab[0].page
     page.get_by_role("heading", name="One letter").scroll_into_view_if_needed()
+    page.get_by_text("The letters", exact=True).click()
     page.locator(MATHS).first.wait_for()
 
 

@@ -116,4 +116,4 @@ def denoiser(awake):
 def condition():
     """What speech asks of three windows."""
     latents = SpeechLatents(torch.randn(3, 64), torch.randn(3, 6), torch.randn(3, 7))
-    return SpeechCondition(latents, torch.randn(3, 40, 10), torch.zeros(3, 3, dtype=torch.bool))
+    return SpeechCondition(latents, torch.randn(3, 40, 11), torch.zeros(3, 3, dtype=torch.bool))
