@@ -39,7 +39,7 @@ from s2glib.papers.amuse.speech_decoder import FilterbankDecoder, Fusion
 from s2glib.papers.amuse.speech_encoder import PatchEncoder, patch_grid
 from s2glib.papers.amuse.speech_face import FaceConfig, SpeechFace
 from s2glib.papers.amuse.speech_judge import SpeechJudge, SpeechOpinion
-from s2glib.papers.amuse.stitching import agreeing, blend, cut, window_starts
+from s2glib.papers.amuse.stitching import agreeing, blend, cut, mend_joins, window_starts
 from s2glib.papers.amuse.stress_listener import StressConfig, StressListener, heard_rhythm
 from s2glib.papers.amuse.temporal_prior import start_from_components
 
@@ -88,6 +88,7 @@ __all__ = [
     "factor_swap_losses",
     "heard_rhythm",
     "latent_reliance",
+    "mend_joins",
     "patch_grid",
     "prior_losses",
     "quadruple_losses",

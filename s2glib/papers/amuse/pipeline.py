@@ -29,7 +29,7 @@ from s2glib.papers.amuse.front_end import (
 from s2glib.papers.amuse.latent_denoiser import LatentDenoiser, SpeechCondition
 from s2glib.papers.amuse.motion_prior import MotionPrior
 from s2glib.papers.amuse.speech_face import SpeechFace
-from s2glib.papers.amuse.stitching import agreeing, blend, window_starts
+from s2glib.papers.amuse.stitching import agreeing, blend, mend_joins, window_starts
 from s2glib.papers.amuse.stress_listener import StressListener, heard_rhythm
 
 SAMPLE_RATE = 16000
@@ -41,7 +41,7 @@ class Sampling:
 
     steps: int = 8
     guidance: float = 3.0  # on emotion; 1 is none
-    spread: float = 1.02  # factor on the final latent, against under-dispersion
+    spread: float = 1.08  # factor on the final latent, against under-dispersion
     overlap: int = 30  # frames that neighbouring windows share
 
 
@@ -160,7 +160,8 @@ class Amuse:
         noise = torch.randn(count, config.tokens, config.token_dim, generator=generator)
         levels = timesteps(config.levels, self.sampling.steps, "linspace")
         *_, x0 = sample_ddim(denoise, noise, self.schedule, timesteps=levels, generator=generator)
-        return self.prior.decode(self.denoiser.restore(self.sampling.spread * x0))
+        windows = self.prior.decode(self.denoiser.restore(self.sampling.spread * x0))
+        return mend_joins(windows, windows.shape[1] // (config.tokens - config.global_tokens))
 
     @torch.no_grad()
     def gesture(self, heard: Heard, *, generator: torch.Generator) -> Motion:

@@ -3,7 +3,7 @@ import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
-from s2glib.papers.amuse import agreeing, blend, cut, window_starts
+from s2glib.papers.amuse import agreeing, blend, cut, mend_joins, window_starts
 
 counts = st.integers(1, 6)
 shapes = st.tuples(st.integers(2, 30), st.integers(0, 15)).filter(lambda s: 2 * s[1] <= s[0])
@@ -70,3 +70,17 @@ def test_without_an_overlap_windows_stand_side_by_side():
 @pytest.mark.parametrize(("frames", "expected"), [(120, [0]), (121, [0, 90]), (211, [0, 90, 180])])
 def test_four_second_windows_share_one_second(frames, expected):
     assert window_starts(frames, 120, 30) == expected
+
+
+def test_joins_are_smoothed_and_nothing_else():
+    windows = torch.randn(2, 12, 3)
+    mended = mend_joins(windows, 4)
+    changed = (mended != windows).any(dim=2).any(dim=0)
+    assert changed.nonzero().flatten().tolist() == [3, 4, 7, 8]
+    expected = (windows[:, 2] + 2 * windows[:, 3] + windows[:, 4]) / 4
+    torch.testing.assert_close(mended[:, 3], expected)
+
+
+def test_a_straight_line_needs_no_mending():
+    line = torch.arange(12.0)[None, :, None].expand(1, 12, 2)
+    torch.testing.assert_close(mend_joins(line, 4), line)
