@@ -1,10 +1,6 @@
 import jaxtyping
 import pytest
 import torch
-from hypothesis import settings
-
-settings.register_profile("untimed", deadline=None)
-settings.load_profile("untimed")
 
 
 @pytest.fixture
