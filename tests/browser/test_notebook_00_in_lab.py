@@ -86,6 +86,7 @@ def test_formulas_are_set(lab):
     page.get_by_role("heading", name="One letter").scroll_into_view_if_needed()
     page.get_by_text("The letters", exact=True).click()
     page.locator(MATHS).first.wait_for()
+    assert page.locator(MATHS).count() > 5
 
 
 def test_nothing_was_complained_of_and_nobody_outside_was_asked(lab):

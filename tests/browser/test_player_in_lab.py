@@ -76,6 +76,7 @@ def test_sound_from_python_before_any_click_asks_for_one(page):
     execute(page, "player.play()")
     page.wait_for_selector("text=press Play once")
     page.wait_for_selector(".s2g-player[data-playing=false]")
+    assert page.get_by_text("press Play once").first.is_visible()
     page.evaluate("() => { delete sounds[0].play }")
 
 

@@ -6,6 +6,7 @@ Notebook: notebooks/14_emotion_swap_studio.ipynb
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from numbers import Integral
 from pathlib import Path
 
 import numpy as np
@@ -115,7 +116,16 @@ class Amuse:
         """Encode a recording of any length.
 
         Each motion window listens to one speech window around it; short recordings have one.
+
+        Raises:
+            TypeError: if it is not a Waveform.
+            ValueError: if it is empty or not finite.
         """
+        if not isinstance(waveform, Waveform):
+            raise TypeError(
+                f"speech comes as a Waveform, got {type(waveform).__name__}; read a file with "
+                "s2glib.audio.load"
+            )
         samples = resample(waveform.samples, waveform.sample_rate, SAMPLE_RATE)
         config = self.speech.config
         window = self.prior.config.frames
@@ -208,6 +218,7 @@ class Amuse:
 
         Raises:
             ValueError: if there is nothing to edit, or no such emotion.
+            TypeError: if a donor is neither a recording nor, for the emotion, a number.
         """
         if emotion is None and style is None:
             raise ValueError("an edit takes an emotion, a style, or both; got neither")
@@ -215,7 +226,7 @@ class Amuse:
         if isinstance(emotion, Waveform):
             heard = heard.with_emotion(self.hear(emotion).latents.emotion.mean(0))
         elif emotion is not None:
-            heard = heard.with_emotion(self.emotion_centre(int(emotion)))
+            heard = heard.with_emotion(self.emotion_centre(emotion))
         if style is not None:
             heard = heard.with_style(self.hear(style).latents.style.mean(0))
         return self.gesture(heard, generator=generator)
@@ -224,9 +235,15 @@ class Amuse:
         """The mean emotion latent of a class.
 
         Raises:
+            TypeError: if the class is not given by its number.
             ValueError: if there is no such class.
         """
         count = self.speech.config.emotions
+        if not isinstance(number, Integral):
+            raise TypeError(
+                f"an emotion is a number from 0 to {count - 1} or a Waveform, got {number!r}; "
+                "s2glib.corpus.EMOTIONS.index gives the number of a name"
+            )
         if not 0 <= number < count:
             raise ValueError(f"emotions are numbered 0 to {count - 1}, got {number}")
         return self.speech.emotion_centres[number]

@@ -143,3 +143,14 @@ def test_a_folder_of_checkpoints_is_the_whole_system(amuse, tmp_path):
 def test_a_folder_without_one_of_them_is_refused(tmp_path):
     with pytest.raises(FileNotFoundError, match="amuse-disentangler"):
         Amuse.load(tmp_path)
+
+
+@pytest.mark.parametrize("emotion", ["anger", 2.7, [2]])
+def test_an_emotion_that_is_no_number_is_refused_with_a_way_out(amuse, without_type_hook, emotion):
+    with pytest.raises(TypeError, match=r"number from 0 to 7.*EMOTIONS\.index"):
+        amuse.edit(noise(1.0), emotion=emotion, generator=chance())
+
+
+def test_bare_samples_are_refused_with_a_way_out(amuse, without_type_hook):
+    with pytest.raises(TypeError, match=r"Waveform, got ndarray.*audio\.load"):
+        amuse.generate(noise(1.0).samples, generator=chance())
