@@ -3,9 +3,11 @@
 import os
 import pathlib
 import shutil
+import tempfile
 import tomllib
 
 import pytest
+from nbval.plugin import IPyNbFile
 
 HERE = pathlib.Path(__file__).parent
 NO_GPU = "needs a GPU"
@@ -30,6 +32,57 @@ def pytest_configure(config):
             option.nbval_cell_timeout = 300
     if getattr(option, "dist", "no") == "load":
         option.dist = "loadfile"  # or one notebook's cells go to several kernels
+
+
+class Notebook(IPyNbFile):
+    """A notebook as a newcomer runs it: no progress is known, and no exercise is solved."""
+
+    strict = ""
+
+    def setup(self):
+        self.home = tempfile.TemporaryDirectory()
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setenv("S2G_HOME", self.home.name)
+            patch.setenv("S2G_STRICT", self.strict)
+            super().setup()
+
+    def teardown(self):
+        super().teardown()
+        self.home.cleanup()
+
+
+class SolvedNotebook(Notebook):
+    """The same with its solutions; every check must pass, and no output may change."""
+
+    strict = "1"
+
+    def collect(self):
+        pytest.importorskip("jupytext")  # readers do not install it
+        from s2glib.teaching.build import read_source
+
+        solved = read_source(source_of(self.path), solved=True)
+        code = {cell.id: cell.source for cell in solved.cells}
+        for item in super().collect():
+            item.cell.source = code.get(item.cell.id, item.cell.source)
+            yield item
+
+
+def source_of(notebook):
+    return notebook.parent / "source" / f"{notebook.stem}.py"
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collect_file(file_path, parent):
+    """Collect the notebooks that nbval would, and those with exercises once more, solved."""
+    collected = yield
+    if not any(isinstance(each, IPyNbFile) for each in collected):
+        return collected
+    notebooks = [Notebook.from_parent(parent, path=file_path)]
+    source = source_of(file_path)
+    if source.exists() and "s2g-solution" in source.read_text(encoding="utf-8"):
+        name = f"{file_path.relative_to(parent.config.rootpath).as_posix()}[solved]"
+        notebooks.append(SolvedNotebook.from_parent(parent, path=file_path, nodeid=name))
+    return notebooks
 
 
 def has_gpu():

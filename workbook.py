@@ -3,7 +3,9 @@
 
     python3 workbook.py lab            open notebook 00 in JupyterLab (sets up first)
     python3 workbook.py test [ARGS]    run every test and every notebook; ARGS go to pytest
-    python3 workbook.py build [NN ...] execute notebooks/source into notebooks
+    python3 workbook.py build [NN ...] execute notebooks/source into notebooks, and validate them;
+                                       with --check, only say which notebooks are not built afresh
+    python3 workbook.py book [--out DIR]  write the built notebooks as pages for a browser
     python3 workbook.py setup [--dev]  only install
 
 The virtual environment is `.venv` beside this file, or the folder named by S2G_VENV.
@@ -139,9 +141,19 @@ def test(arguments):
     return call("-m", "pytest", "--nbval", "-n", "2", "--dist", "loadfile", "-rs", *arguments)
 
 
-def build(notebooks):
-    """Execute the sources of the named notebooks (all without a name)."""
-    return call("-m", "s2glib.teaching.build", *notebooks)
+def build(arguments):
+    """Execute the sources of the named notebooks, all without a name, or compare them."""
+    return call("-m", "s2glib.teaching.build", *arguments)
+
+
+def book(arguments):
+    """Write the built notebooks as pages for a browser."""
+    return call("-m", "s2glib.teaching.book", *arguments)
+
+
+def out_option(folder):
+    """The option for a program that runs in another folder than the caller."""
+    return f"--out={pathlib.Path(folder).resolve()}"
 
 
 def main(argv=None):
@@ -149,14 +161,18 @@ def main(argv=None):
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.set_defaults(dev=True, names=[])
+    parser.set_defaults(dev=True, names=[], flags=None)
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     add = functools.partial(commands.add_parser, allow_abbrev=False)
     add("lab", help="open notebook 00 in JupyterLab").set_defaults(action=lab, dev=False)
     add("test", help="run tests and notebooks").set_defaults(action=test)
     builder = add("build", help="execute notebooks/source")
     builder.add_argument("names", nargs="*", metavar="NN")
+    builder.add_argument("--check", action="append_const", dest="flags", const="--check")
     builder.set_defaults(action=build)
+    writer = add("book", help="write the notebooks as pages for a browser")
+    writer.add_argument("--out", action="append", dest="flags", metavar="DIR", type=out_option)
+    writer.set_defaults(action=book)
     installer = add("setup", help="only install")
     installer.add_argument("--dev", action="store_true", help="what tests and builds need, too")
     installer.set_defaults(action=None)
@@ -165,7 +181,8 @@ def main(argv=None):
         parser.error(f"unknown arguments: {' '.join(rest)}")
     try:
         setup(dev=options.dev)
-        return options.action(options.names + rest) if options.action else 0
+        arguments = [*(options.flags or []), *options.names, *rest]
+        return options.action(arguments) if options.action else 0
     except subprocess.CalledProcessError as error:
         sys.exit(f"`{' '.join(error.cmd)}` failed (exit status {error.returncode}); see above")
 

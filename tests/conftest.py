@@ -14,3 +14,11 @@ def without_type_hook():
     jaxtyping.config.update("jaxtyping_disable", True)
     yield
     jaxtyping.config.update("jaxtyping_disable", False)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def a_home_of_its_own(tmp_path_factory):
+    """No test writes into a reader's home."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("S2G_HOME", str(tmp_path_factory.mktemp("home")))
+        yield

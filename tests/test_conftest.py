@@ -1,13 +1,20 @@
-"""In CI a skipped test fails the run, in one process and in workers; a missing GPU is forgiven."""
+"""In CI a skipped test fails the run; notebooks with exercises are validated solved as well."""
 
 from pathlib import Path
 
+import nbformat
 import pytest
 
 pytest_plugins = "pytester"
 CONFTEST = Path(__file__).resolve().parents[1] / "conftest.py"
 PLAIN = "import pytest\ndef test_it(): pytest.skip('because')"
 WHOLE_FILE = "import pytest\npytest.importorskip('no_such_module')"
+CELLS = {  # what a student finds, and what nbval must see there
+    "import os\nstrict = os.environ.get('S2G_STRICT')\nhome = os.environ['S2G_HOME']": "",
+    "def half(x):\n    ...": "",
+    "if not half(4) and strict:\n    raise ValueError(half(4))\nhalf = lambda x: x / 2": "",
+    "print(half(6), os.listdir(home))\nopen(os.path.join(home, 'left'), 'w').close()": "3.0 []\n",
+}
 GPU = "import pytest\n@pytest.mark.gpu\ndef test_it(): pass"
 
 
@@ -30,3 +37,34 @@ def test_a_skip_fails_ci(pytester, monkeypatch, test, workers, ci, status):
     ran = pytester.runpytest_inprocess("-n", str(workers))
     assert ran.ret == status
     assert ("skipped in CI" in ran.stdout.str()) == (status == 1)
+
+
+def write_notebook(folder, name, solution):
+    """A notebook with outputs as stored unsolved, and its source, if it has one."""
+    notebook = nbformat.v4.new_notebook()
+    for index, (code, text) in enumerate(CELLS.items()):
+        outputs = [nbformat.v4.new_output("stream", text=text)] if text else []
+        cell = nbformat.v4.new_code_cell(code, execution_count=index + 1, outputs=outputs)
+        cell.id = f"cell-{index:02d}"
+        notebook.cells.append(cell)
+    nbformat.write(notebook, folder / f"{name}.ipynb")
+    first, stub, *rest = [f"\n{code}\n" for code in CELLS]
+    marks = {"exercise": stub, "solution": f"\n{solution}\n"}
+    tagged = [f'# %% tags=["s2g-{tag}"]{code}' for tag, code in marks.items()]
+    source = "\n".join([f"# %%{first}", *tagged, *(f"# %%{code}" for code in rest)])
+    if solution:
+        (folder / "source" / f"{name}.py").write_text(source)
+
+
+def test_a_notebook_with_exercises_runs_also_solved_and_must_say_the_same(pytester, monkeypatch):
+    monkeypatch.setenv("S2G_STRICT", "1")  # students are not strict
+    pytester.makeconftest(CONFTEST.read_text())
+    pytester.makefile(".cfg", sanitize=(CONFTEST.parent / "sanitize.cfg").read_text())
+    pytester.makepyprojecttoml("[tool.s2glib.kernel-environment]\nPYTHONHASHSEED = '0'")
+    pytester.mkdir("source")
+    write_notebook(pytester.path, "00_right", "def half(x):\n    return x / 2")
+    write_notebook(pytester.path, "01_wrong", "def half(x):\n    return 0")
+    write_notebook(pytester.path, "02_without_source", None)
+    ran = pytester.runpytest_subprocess("--nbval", "-p", "no:cacheprovider")
+    ran.assert_outcomes(passed=5 * len(CELLS) - 2, failed=2)
+    ran.stdout.fnmatch_lines(["FAILED 01_wrong.ipynb[[]solved[]]::Cell 2*"])

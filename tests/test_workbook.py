@@ -168,7 +168,10 @@ def test_the_command_line_answers(workbook, capsys, arguments, status):
     [
         (["test", "-k", "tps", "tests/warping"], ("-k", "tps", "tests/warping")),
         (["lab", "--no-browser"], ("--no-browser",)),
-        (["build", "00", "01"], ("00", "01")),
+        (["build", "00", "01"], ("s2glib.teaching.build", "00", "01")),
+        (["build", "00", "--check"], ("s2glib.teaching.build", "--check", "00")),
+        (["book"], ("-m", "s2glib.teaching.book")),
+        (["book", "--out", "pages"], ("s2glib.teaching.book", f"--out={Path.cwd() / 'pages'}")),
     ],
 )
 def test_arguments_reach_the_program(workbook, monkeypatch, arguments, passed):

@@ -1,6 +1,6 @@
 # ---
 # jupyter:
-#   s2g: {"id": "00", "minutes": 15, "needs": [], "goals": ["check the set-up", "swap the emotion of a gesture and say what changed", "find your way through the workbook"], "papers": {"AM": ["A", "Fig. A.4"]}, "demos": ["emotion swap"], "data": ["shipped"], "budget_s": 25}
+#   s2g: {"id": "00", "minutes": 20, "needs": [], "goals": ["check the set-up", "swap the emotion of a gesture and say what changed", "find your way through the workbook"], "papers": {"AM": ["A", "Fig. A.4"]}, "demos": ["emotion swap"], "data": ["shipped"], "budget_s": 25, "exercises": [], "questions": ["00-q1", "00-p1", "00-p2", "00-q2"], "reached": {"check the set-up": ["00-q1"], "swap the emotion of a gesture and say what changed": ["emotion swap", "00-p1", "00-p2"], "find your way through the workbook": ["00-q2"]}}
 # ---
 
 # %% [markdown]
@@ -10,7 +10,7 @@
 # |---|---|
 # | After this you can | check your set-up; swap the emotion of a gesture and say what changed; find your way through the workbook |
 # | You need | nothing yet |
-# | Time | 15 minutes |
+# | Time | 20 minutes |
 # | Papers | an overview of all three; AMUSE A and Fig. A.4 |
 # | Data | clips that come with the workbook |
 #
@@ -26,7 +26,7 @@
 # **To run a cell, click it and press Shift+Enter.** Start with the next one.
 
 # %% tags=["s2g-setup"]
-from s2glib.teaching import PALETTE, check_environment, figure, report, setup
+from s2glib.teaching import PALETTE, ask, check_environment, figure, progress, report, setup
 
 setup("00")
 
@@ -37,6 +37,13 @@ setup("00")
 
 # %%
 works = check_environment()
+
+# %% [markdown]
+# Now and then a question waits for you, like the next one. Run the cell and choose an answer: you are told
+# why it is right, or what it overlooks. Choose again as often as you like.
+
+# %%
+ask("00-q1")
 
 # %% [markdown]
 # ## 2. Hear a sentence, see a body gesture it
@@ -135,7 +142,10 @@ report(
 )
 
 # %% [markdown]
-# Only the emotion latent differs. Does the motion follow?
+# Only the emotion latent differs. Does the motion follow? **Predict first**, then run the cell below.
+
+# %%
+ask("00-p1")
 
 # %% tags=["s2g-figure"]
 fig, rows = plt.subplots(2, 1, figsize=(9, 4.2), sharex=True)
@@ -193,6 +203,9 @@ demo
 # A first number: how fast do the wrists move, on average? One clip tells little, because people and
 # sentences differ and noise moves a body, too. So here are two sentences of four voices: as the corpus
 # gestures them in eight emotions, and the swaps of the same sentences spoken in anger.
+
+# %%
+ask("00-p2")
 
 # %% tags=["s2g-figure"]
 from s2glib.body import joint, joint_positions
@@ -282,6 +295,15 @@ figure(
     "They differ most in the second column: codes, separated latents, or keypoints.",
 )
 
+# %%
+ask("00-q2")
+
+# %% [markdown]
+# The next cell tells how far you have come. Run it again whenever you are back.
+
+# %% tags=["s2g-progress", "nbval-ignore-output"]
+progress()
+
 # %% [markdown]
 # ## 6. One letter, three meanings
 #
@@ -312,6 +334,8 @@ figure(
 # - **Run cells from top to bottom.** Lost? *Kernel > Restart Kernel and Run All Cells* starts afresh.
 # - **Change things.** Another clip, another number: nothing breaks.
 #   `git checkout notebooks/00_start_here.ipynb` restores this one; your changes in it are lost.
+# - **Exercises check themselves.** While yours is not right yet, the notebook goes on with the package's
+#   function, so you can always read on.
 # - **Every figure has a caption** that says what to look for. Where the numbers are the same on every
 #   machine, a line below tells the extent of its axes.
 #

@@ -1,6 +1,6 @@
 # ---
 # jupyter:
-#   s2g: {"id": "01", "minutes": 40, "needs": ["00"], "goals": ["describe a clip as arrays on one clock", "turn joint angles into places and into a surface", "compute the sound features that the papers use", "line up frames and hops", "say why meshes need more than a skeleton file"], "papers": {"MDD": ["B.5"], "AM": ["B.5", "C.2", "Fig. A.8", "F", "G"], "PT": ["A.2"]}, "demos": ["player", "toy arm"], "data": ["shipped"], "budget_s": 25}
+#   s2g: {"id": "01", "minutes": 75, "needs": ["00"], "goals": ["describe a clip as arrays on one clock", "turn joint angles into places and into a surface", "compute the sound features that the papers use", "line up frames and hops", "say why meshes need more than a skeleton file"], "papers": {"MDD": ["B.5"], "AM": ["B.5", "C.2", "Fig. A.8", "F", "G"], "PT": ["A.2"]}, "demos": ["player", "toy arm"], "data": ["shipped"], "budget_s": 25, "exercises": ["01-1", "01-2", "01-3"], "questions": ["01-p1", "01-p2", "01-p3", "01-p4", "01-p5", "01-q1", "01-q2", "01-q3", "01-q4", "01-q5"], "reached": {"describe a clip as arrays on one clock": ["player", "01-q1", "01-q3"], "turn joint angles into places and into a surface": ["01-1", "01-2", "toy arm", "01-p2"], "compute the sound features that the papers use": ["01-p3", "01-p4"], "line up frames and hops": ["01-3", "01-q4"], "say why meshes need more than a skeleton file": ["01-q2", "01-q3"]}}
 # ---
 
 # %% [markdown]
@@ -10,7 +10,7 @@
 # |---|---|
 # | After this you can | describe a clip as arrays on one clock; turn joint angles into places and into a surface; compute the sound features that the papers use; line up frames and hops; say why meshes need more than a skeleton file |
 # | You need | [00 Start here](00_start_here.ipynb) |
-# | Time | 40 minutes |
+# | Time | 40 minutes, and 35 for the exercises |
 # | Papers | MDD B.5; AMUSE B.5, C.2, Fig. A.8, F, G; ProbTalk A.2 |
 # | Data | clips that come with the workbook |
 
@@ -19,7 +19,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import torch
 
-from s2glib.teaching import PALETTE, figure, report, setup, show_source
+from s2glib.teaching import PALETTE, ask, check, figure, report, setup, show_solution
 
 setup("01")
 
@@ -86,7 +86,7 @@ player
 # Check one by hand: a quarter turn about the z axis takes x to y.
 
 # %%
-from s2glib.body import axis_angle_to_matrix, matrix_to_axis_angle, matrix_to_sixd, sixd_to_matrix
+from s2glib.body import axis_angle_to_matrix, matrix_to_axis_angle, matrix_to_sixd
 
 quarter = torch.tensor([0, 0, np.pi / 2], dtype=torch.float64)
 matrix = axis_angle_to_matrix(quarter)
@@ -100,6 +100,10 @@ report(
 # %% [markdown]
 # Why write six numbers where three would do? Because a network finds it hard to jump. Let a joint turn
 # steadily, one degree a step, all the way round. The body moves smoothly, so its numbers should, too.
+# **Predict first**, then run the cell below.
+
+# %%
+ask("01-p1")
 
 # %% tags=["s2g-figure"]
 degrees = torch.arange(361, dtype=torch.float64)
@@ -122,11 +126,43 @@ report(**{f"largest step of {name}": step for name, step in steps.items()})
 
 # %% [markdown]
 # The second reason: *any* six numbers can be made into a turn, so a network may say what it likes.
-# The function takes the first row as a direction, bends the second until it is square to the first,
-# and finds the third. This is our code, printed from the package:
+#
+# ### Exercise 01-1: six numbers make a turn
+#
+# ●○○ · 8 minutes · [PT A.2, AM C.2]
+#
+# Bring the first three numbers to length 1: that is the first row, $b_1$. From the last three take away
+# what points along $b_1$; bring the rest to length 1: that is $b_2$. The third row is square to both,
+# $b_3 = b_1 \times b_2$.
+#
+# Write your code in place of the dots. Run the cell, and the next one to check it. You may also skip an
+# exercise: the notebook then goes on with the package's function.
+
+
+# %% tags=["s2g-exercise"]
+def sixd_to_matrix(sixd):
+    """Make turns from any numbers, (n, 6) to (n, 3, 3)."""
+    ...  # your code
+
+
+# %% tags=["s2g-solution"]
+def sixd_to_matrix(sixd):
+    """Make turns from any numbers, (n, 6) to (n, 3, 3)."""
+    a1, a2 = sixd[:, :3], sixd[:, 3:]
+    b1 = a1 / a1.norm(dim=-1, keepdim=True)
+    rest = a2 - (b1 * a2).sum(-1, keepdim=True) * b1
+    b2 = rest / rest.norm(dim=-1, keepdim=True)
+    return torch.stack([b1, b2, torch.linalg.cross(b1, b2)], dim=-2)
+
+
+# %% tags=["s2g-check", "nbval-ignore-output"]
+sixd_to_matrix = check("01-1", sixd_to_matrix)
+
+# %% [markdown]
+# Stuck? Click on a hint. The solution is the package's own code.
 
 # %% tags=["s2g-source"]
-show_source(sixd_to_matrix)
+show_solution("01-1")
 
 # %%
 anything = torch.randn(1000, 6, dtype=torch.float64)
@@ -153,22 +189,58 @@ report(
 # $G_j$ is the turn of a joint as seen by the whole body, $x_j$ its place. The offset is
 # $o_j = t_j - t_p$, where $t_j$ is the place at rest; the root keeps its own turn and place ($G_0 = R_0$).
 #
-# **Predict first.** An arm has two bones along x: 0.30 m to the elbow, then 0.25 m to the hand. Turn
-# the shoulder by +90 degrees about z, and the elbow by another +90. Where is the hand?
-#
-# <details><summary>Solution by hand</summary>
-#
-# The shoulder turns the upper arm to y, so the elbow is at (0, 0.30). The elbow turns the forearm
-# once more, from y to -x. So the hand is at (-0.25, 0.30).
-# </details>
+# **Predict first**, with pencil and paper.
 
 # %%
-from s2glib.body import forward_kinematics
+ask("01-p2")
 
+# %% [markdown]
+# ### Exercise 01-2: walk along the bones
+#
+# ●●○ · 10 minutes · [PT A.2, AM C.2]
+#
+# Now let the computer walk, along any tree of joints. Joint 0 is the root, and its parent is -1. Every
+# other joint comes after its parent, so a parent's $G_p$ and $x_p$ are known when you need them.
+
+
+# %% tags=["s2g-exercise"]
+def forward_kinematics(rotations, rest_joints, parents):
+    """Return G (joints, 3, 3) and x (joints, 3).
+
+    rotations: R of each joint, (joints, 3, 3)
+    rest_joints: t, its place at rest, (joints, 3)
+    parents: p, one whole number for each joint
+    """
+    ...  # your code
+
+
+# %% tags=["s2g-solution"]
+def forward_kinematics(rotations, rest_joints, parents):
+    """Return G (joints, 3, 3) and x (joints, 3)."""
+    G, x = [rotations[0]], [rest_joints[0]]
+    for j in range(1, len(parents)):
+        p = parents[j]
+        offset = rest_joints[j] - rest_joints[p]
+        G.append(G[p] @ rotations[j])
+        x.append(x[p] + G[p] @ offset)
+    return torch.stack(G), torch.stack(x)
+
+
+# %% tags=["s2g-check", "nbval-ignore-output"]
+forward_kinematics = check("01-2", forward_kinematics)
+
+# %% tags=["s2g-source"]
+show_solution("01-2")
+
+# %% [markdown]
+# Our own code keeps $G_j$ and $x_j$ in one matrix of 4 x 4, so that one product does both formulas. Does
+# the walk find the hand where you put it?
+
+# %%
 rest = torch.tensor([[0.0, 0, 0], [0.30, 0, 0], [0.55, 0, 0]], dtype=torch.float64)
 turns = torch.stack([quarter, quarter, torch.zeros_like(quarter)])
-arm = forward_kinematics(axis_angle_to_matrix(turns), rest, parents=(-1, 0, 1))
-report(elbow=arm.positions[1], hand=arm.positions[2])
+G, x = forward_kinematics(axis_angle_to_matrix(turns), rest, parents=(-1, 0, 1))
+report(elbow=x[1], hand=x[2])
 
 # %% [markdown]
 # Play with it: five settings, five pictures.
@@ -339,6 +411,9 @@ report(
 # takes the logarithm, as loudness does.
 
 # %%
+ask("01-p3")
+
+# %%
 from s2glib.audio import (
     FRAME_RATE,
     HANDCRAFTED_NAMES,
@@ -437,6 +512,9 @@ figure(
 )
 
 # %%
+ask("01-p4")
+
+# %%
 first, *_, last = clip.stress_times
 moments = np.random.default_rng(0).uniform(first, last, 10_000)
 
@@ -489,10 +567,52 @@ report(
 # hop of 512 samples *is* one video frame. No whole hop gives 30 frames at 16 kHz. The whole hop nearest to
 # 533.3 is 533. ProbTalk's MFCC option takes 535; after a minute it is late by more than five frames.
 #
-# To change a rate, ask each stream what it does *at a time*, never *at an index*:
+# To change a rate, ask each stream what it does *at a time*, never *at an index*.
+#
+# ### Exercise 01-3: the same motion at another rate
+#
+# ●●● · 15 minutes · [MDD 4.1]
+#
+# New frame $k$ shows the body at $k / \text{fps}$ seconds. That falls between two old frames, say a share
+# $s = 0.2$ of the way from one to the next. Place and face go straight: take $1 - s$ of one and $s$ of the
+# other. A joint *turns* from its matrix $A$ to its matrix $B$, and the turn between them is $A^\top B$. So
+# write that as axis-angle, take $s$ of it, and turn on from $A$. After the last old frame the body stays
+# as it is.
+#
+# `Motion(poses, trans, expression, fps)` makes a motion; its poses are axis-angles.
+
+
+# %% tags=["s2g-exercise"]
+def resample_motion(motion, fps):
+    """The motion at another rate; it has floor(motion.duration * fps) frames."""
+    ...  # your code
+
+
+# %% tags=["s2g-solution"]
+def resample_motion(motion, fps):
+    """The motion at another rate; it has floor(motion.duration * fps) frames."""
+    frames = int(motion.duration * fps)
+    place = torch.arange(frames, dtype=motion.poses.dtype) / fps * motion.fps
+    place = place.clamp(max=motion.frames - 1)
+    before = place.floor().long()
+    after = (before + 1).clamp(max=motion.frames - 1)
+    share = (place - before)[:, None]
+    A, B = axis_angle_to_matrix(motion.poses[before]), axis_angle_to_matrix(motion.poses[after])
+    turn = matrix_to_axis_angle(A.mT @ B)
+    poses = matrix_to_axis_angle(A @ axis_angle_to_matrix(share[:, None] * turn))
+    trans = torch.lerp(motion.trans[before], motion.trans[after], share)
+    expression = torch.lerp(motion.expression[before], motion.expression[after], share)
+    return Motion(poses, trans, expression, fps)
+
+
+# %% tags=["s2g-check", "nbval-ignore-output"]
+resample_motion = check("01-3", resample_motion)
+
+# %% tags=["s2g-source"]
+show_solution("01-3")
 
 # %%
-from s2glib.corpus import Cell, render_motion, resample_motion
+from s2glib.corpus import Cell, render_motion
 
 at_25 = resample_motion(motion, 25)
 report(
@@ -536,6 +656,9 @@ figure(
 # %% [markdown]
 # One clip proves little. So take all clips, put every stressed vowel at time zero, and average. Do
 # the same around *random* moments: whatever shows there is chance.
+
+# %%
+ask("01-p5")
 
 # %% tags=["s2g-figure"]
 from s2glib.data import clips
@@ -631,33 +754,23 @@ report(
 # | the 35 hold MFCC, chroma, *tempogram*, onset strength, onset beat | 20 + 12 + 1 + 1 are 34, and beats make 35; a tempogram of the usual size alone has 384 | **does not fit**: the released code has no tempogram |
 #
 # ## 12. Check yourself
-#
-# <details><summary>1. A clip has poses of shape (143, 55, 3). How long is it at 30 fps?</summary>
-#
-# 143 / 30 = 4.77 s.
-# </details>
-#
-# <details><summary>2. Why not let a network say axis-angles?</summary>
-#
-# Near half a turn two almost equal poses have far apart numbers. A network is smooth and will say
-# something between the two, which is neither.
-# </details>
-#
-# <details><summary>3. You double the length of the forearm. Which arrays of the clip change?</summary>
-#
-# None. Bone lengths belong to the body; the clip holds angles. Only the places change.
-# </details>
-#
-# <details><summary>4. Sound at 48 kHz, motion at 30 fps: which hop gives one window a frame?</summary>
-#
-# 48000 / 30 = 1600 samples, a whole number. At 16 kHz it would be 533.3.
-# </details>
-#
-# <details><summary>5. A network moves its hands at random. Would the last figure show it?</summary>
-#
-# Yes: its line would be as flat as the one around random moments.
-# </details>
-#
+
+# %%
+ask("01-q1")
+
+# %%
+ask("01-q2")
+
+# %%
+ask("01-q3")
+
+# %%
+ask("01-q4")
+
+# %%
+ask("01-q5")
+
+# %% [markdown]
 # And one without an answer: which of your own movements, while you speak, could *no* sound feature explain?
 #
 # ## Summary

@@ -7,6 +7,8 @@ Notebook: -
 import re
 from typing import Any
 
+from s2glib.teaching.progress import record
+
 PALETTE = {  # Okabe and Ito's colours, which stay apart for colour-blind readers
     "blue": "#0072B2",
     "vermilion": "#D55E00",
@@ -50,4 +52,5 @@ def setup(notebook: str) -> None:
     torch.set_num_threads(1)
     colours = cycler(color=list(PALETTE.values())) + cycler(linestyle=_STROKES)
     rcParams.update({**_STYLE, "axes.prop_cycle": colours})
+    record("notebook", notebook, "opened")
     print(f"Notebook {notebook} is ready.")
