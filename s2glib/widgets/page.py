@@ -1,5 +1,7 @@
 """The player as one file: a page with body and sound inside, which plays offline by double click.
 
+A minute of two motions and their sound is 5 MB; browsers open ten minutes in seconds.
+
 Paper:    -
 Notebook: notebooks/14_emotion_swap_studio.ipynb
 """
@@ -8,12 +10,12 @@ import base64
 import html
 import json
 import os
-from collections.abc import Mapping
-from pathlib import Path
+from collections.abc import Iterator, Mapping
 
 from s2glib.audio.io import Waveform
 from s2glib.body.motion import Motion
 from s2glib.body.skinning import BodyModel
+from s2glib.body.whole_file import whole_file
 from s2glib.widgets.packing import pack_mesh, pack_motion, pack_sound
 from s2glib.widgets.player import (
     HERE,
@@ -24,6 +26,8 @@ from s2glib.widgets.player import (
     named_motions,
 )
 
+LOCAL_SCRIPT = SCRIPT + (HERE / "local.js").read_text("utf-8")
+PIECE = 3 << 20  # bytes that are turned into text together; a multiple of three
 PAGE = """<!doctype html>
 <html lang="en">
 <meta charset="utf-8">
@@ -77,24 +81,22 @@ def write_html(
     if view not in ("", *motions):
         raise ValueError(f"no motion is called {view!r}; there are {tuple(motions)}")
     seconds = max(each.duration for each in motions.values())
-    content = {
-        "mesh": _as_text(pack_mesh(check_body(body))),
-        "motion": _as_text(pack_motion(motions, body)),
-        "sound": _as_text(pack_sound(waveform, seconds)),
-        "view": view,
-        "height": height,
-    }
-    page = PAGE.format(
-        title=html.escape(title),
-        text=html.escape(text),
-        style=STYLE,
-        content=json.dumps(content).replace("<", "\\u003c"),
-        script=SCRIPT + (HERE / "page.js").read_text("utf-8"),
-    )
-    unfinished = Path(path).with_name(Path(path).name + ".part")
-    unfinished.write_text(page, "utf-8")
-    unfinished.replace(path)
+    mesh = pack_mesh(check_body(body))
+    before, after = PAGE.split("{content}")
+    words = {"title": html.escape(title), "text": html.escape(text)}
+    facts = json.dumps({"view": view, "height": height}).replace("<", "\\u003c")
+    script = LOCAL_SCRIPT + (HERE / "page.js").read_text("utf-8")
+    with whole_file(path) as file:
+        file.write((before.format(**words, style=STYLE) + facts.removesuffix("}")).encode())
+        file.writelines(_member("mesh", mesh))
+        file.writelines(_member("motion", pack_motion(motions, body)))
+        file.writelines(_member("sound", pack_sound(waveform, seconds)))
+        file.write(("}" + after.format(script=script)).encode())
 
 
-def _as_text(data: bytes) -> str:
-    return base64.b64encode(data).decode()
+def _member(name: str, data: bytes) -> Iterator[bytes]:
+    """One more entry of a JSON object, bytes as base64, a piece at a time."""
+    yield f', "{name}": "'.encode()
+    for start in range(0, len(data), PIECE):
+        yield base64.b64encode(data[start : start + PIECE])
+    yield b'"'
