@@ -83,6 +83,7 @@ def load(path: str | os.PathLike, sample_rate: int = 16000) -> Waveform:
 
     Returns:
         The mean of the channels, resampled. Clipped sound and more than 30 minutes give a warning.
+        At 16 kHz a minute takes 4 MB, and as much again while it is read.
 
     Raises:
         FileNotFoundError: if there is no such file.
@@ -94,7 +95,7 @@ def load(path: str | os.PathLike, sample_rate: int = 16000) -> Waveform:
         raise ValueError(f"{path} is empty: it holds no samples; record at least {SHORTEST} s")
     if len(samples) < SHORTEST * sample_rate:
         raise ValueError(f"{path} is shorter than {SHORTEST} s; give a longer piece of speech")
-    if np.abs(samples).max() < QUIETEST:
+    if max(samples.max(), -samples.min()) < QUIETEST:
         raise ValueError(f"{path} is silent: its peak is below -60 dBFS; record it louder")
     return Waveform(samples, sample_rate)
 

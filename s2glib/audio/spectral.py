@@ -16,6 +16,7 @@ LOWEST = 20.0  # Hz, where the first mel filter begins
 PREEMPHASIS = 0.97
 FLOOR = np.finfo(np.float32).eps  # smallest power whose logarithm is taken: silence is -15.94
 WINDOW = 2048  # samples; librosa's default, which all three papers keep
+BLOCK = 1024  # frames of a filterbank that are computed together: 10 s
 
 
 def filterbank(
@@ -27,7 +28,8 @@ def filterbank(
     """Kaldi's log-mel filterbank, as the Audio Spectrogram Transformer reads it.
 
     Windows of 25 ms every 10 ms, none reaching beyond the signal, so that 10 s at 16 kHz give
-    998 frames. An offset of the waveform plays no part: every window loses its mean.
+    998 frames. An offset of the waveform plays no part: every window loses its mean. Beside the
+    result a constant 20 MB are held, however long the speech.
 
     Args:
         samples: mono, in [-1, 1].
@@ -44,11 +46,13 @@ def filterbank(
     length, hop = sample_rate * 25 // 1000, sample_rate * 10 // 1000
     check_signal(samples, sample_rate, shortest=length)
     windows = np.lib.stride_tricks.sliding_window_view(samples, length)[::hop][:frames]
-    power = _power_spectrum(windows.astype(np.float64))  # (t, n_fft / 2 + 1)
-    mel = power @ mel_filters(power.shape[-1], sample_rate, n_mels)  # (t, n_mels)
-    log_mel = np.log(np.maximum(mel, FLOOR))
-    missing = 0 if frames is None else frames - len(log_mel)
-    return np.pad(log_mel, ((0, missing), (0, 0)))
+    bank = np.zeros((len(windows) if frames is None else frames, n_mels), np.float32)
+    for start in range(0, len(windows), BLOCK):
+        block = windows[start : start + BLOCK]
+        power = _power_spectrum(block.astype(np.float64))  # (t, n_fft / 2 + 1)
+        mel = power @ mel_filters(power.shape[-1], sample_rate, n_mels)  # (t, n_mels)
+        np.log(np.maximum(mel, FLOOR), out=bank[start : start + len(block)])
+    return bank
 
 
 def _power_spectrum(windows: Float[np.ndarray, "t length"]) -> Float32[np.ndarray, "t bins"]:

@@ -4,6 +4,7 @@ Paper:    AM C.2, MDD B.5 (BEAT's motion files)
 Notebook: notebooks/01_motion_and_sound.ipynb
 """
 
+import itertools
 import os
 from collections.abc import Iterator
 from pathlib import Path
@@ -19,9 +20,10 @@ from s2glib.body.motion import Motion
 from s2glib.body.rotations import axis_angle_to_matrix
 from s2glib.body.skeleton import JOINT_NAMES
 from s2glib.body.skinning import BodyModel
-from s2glib.body.whole_file import write_whole
+from s2glib.body.whole_file import whole_file
 
 CHANNELS = tuple(f"{axis}{kind}" for kind in ("position", "rotation") for axis in "XYZ")
+BLOCK = 512  # frames that are written together
 END_LENGTH = 0.7  # a bone without a child is drawn this much as long as the bone before it
 
 
@@ -218,13 +220,11 @@ def write_bvh(path: str | os.PathLike[str], motion: Motion, body: BodyModel) -> 
         raise ValueError(f"a motion has {len(JOINT_NAMES)} joints, the body {len(body.joints)}")
     check_parents(body.parents, len(body.joints))
     order: list[int] = []
-    lines = ["HIERARCHY", *_written_joint(0, body, order), "MOTION"]
-    lines += [f"Frames: {motion.frames}", f"Frame Time: {1 / motion.fps:.10f}"]
-    degrees = _euler_zxy(axis_angle_to_matrix(motion.poses.double())).rad2deg()[:, order]
-    places = motion.trans.double() + body.joints[0].double()
-    rows = torch.cat([places, degrees.flatten(1)], dim=1).cpu().tolist()
-    lines += [" ".join(f"{value:.6f}" for value in row) for row in rows]
-    write_whole(path, ("\n".join(lines) + "\n").encode())
+    head = ["HIERARCHY", *_written_joint(0, body, order), "MOTION"]
+    head += [f"Frames: {motion.frames}", f"Frame Time: {1 / motion.fps:.10f}"]
+    with whole_file(path) as file:
+        for line in itertools.chain(head, _written_frames(motion, body, order)):
+            file.write(f"{line}\n".encode())
 
 
 def _written_joint(joint: int, body: BodyModel, order: list[int]) -> Iterator[str]:
@@ -243,6 +243,16 @@ def _written_joint(joint: int, body: BodyModel, order: list[int]) -> Iterator[st
     if not children:
         yield from ("End Site", "{", "OFFSET " + _triple(END_LENGTH * offset), "}")
     yield "}"
+
+
+def _written_frames(motion: Motion, body: BodyModel, order: list[int]) -> Iterator[str]:
+    """One line a frame; a block of frames is worked out at a time."""
+    pelvis = body.joints[0].double()
+    for poses, trans in zip(motion.poses.split(BLOCK), motion.trans.split(BLOCK), strict=True):
+        degrees = _euler_zxy(axis_angle_to_matrix(poses.double())).rad2deg()[:, order]
+        places = trans.double() + pelvis
+        for row in torch.cat([places, degrees.flatten(1)], dim=1).cpu().tolist():
+            yield " ".join(f"{value:.6f}" for value in row)
 
 
 def _triple(vector: Tensor) -> str:

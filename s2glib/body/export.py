@@ -4,8 +4,8 @@ Paper:    AM C.2 (SMPL-X parameters)
 Notebook: notebooks/01_motion_and_sound.ipynb
 """
 
-import io
 import os
+from collections.abc import Iterator
 
 import numpy as np
 import pygltflib as gltf
@@ -16,7 +16,7 @@ from s2glib.body.gltf import Buffer
 from s2glib.body.motion import Motion
 from s2glib.body.skeleton import FACE_CURVES, JOINT_NAMES
 from s2glib.body.skinning import BodyModel
-from s2glib.body.whole_file import write_whole
+from s2glib.body.whole_file import whole_file
 
 
 def write_npz(path: str | os.PathLike[str], motion: Motion) -> None:
@@ -25,21 +25,19 @@ def write_npz(path: str | os.PathLike[str], motion: Motion) -> None:
     `expressions` stays zero: our face curves are not SMPL-X's components and would give a grimace
     there. They stand apart, as `s2g_expressions` with `s2g_expression_names`.
     """
-    frames = motion.frames
-    content = io.BytesIO()
-    np.savez(
-        content,
-        allow_pickle=False,
-        poses=_floats(motion.poses.flatten(1)),
-        trans=_floats(motion.trans),
-        mocap_frame_rate=np.array(motion.fps),
-        betas=np.zeros(300, dtype=np.float32),
-        gender=np.array("neutral"),
-        expressions=np.zeros((frames, 100), dtype=np.float32),
-        s2g_expressions=_floats(motion.expression[:, : len(FACE_CURVES)]),
-        s2g_expression_names=np.array(FACE_CURVES),
-    )
-    write_whole(path, content.getvalue())
+    with whole_file(path) as file:
+        np.savez(
+            file,
+            allow_pickle=False,
+            poses=_floats(motion.poses.flatten(1)),
+            trans=_floats(motion.trans),
+            mocap_frame_rate=np.array(motion.fps),
+            betas=np.zeros(300, dtype=np.float32),
+            gender=np.array("neutral"),
+            expressions=np.zeros((motion.frames, 100), dtype=np.float32),
+            s2g_expressions=_floats(motion.expression[:, : len(FACE_CURVES)]),
+            s2g_expression_names=np.array(FACE_CURVES),
+        )
 
 
 def write_glb(path: str | os.PathLike[str], motion: Motion, body: BodyModel) -> None:
@@ -83,11 +81,12 @@ def write_glb(path: str | os.PathLike[str], motion: Motion, body: BodyModel) -> 
         materials=[_matte()],
         animations=[_animation(buffer, motion, pelvis, len(primitive.targets))],
     )
-    write_whole(path, buffer.packed(document))
+    with whole_file(path) as file:
+        buffer.write(file, document)
 
 
 def _floats(values: Tensor) -> np.ndarray:
-    return values.detach().cpu().numpy().astype(np.float32)
+    return values.detach().cpu().numpy().astype(np.float32, copy=False)
 
 
 def _integers(faces: Tensor) -> np.ndarray:
@@ -150,27 +149,25 @@ def _animation(buffer: Buffer, motion: Motion, pelvis: Tensor, curves: int) -> g
     """Channels for the turn of every joint, the place of the pelvis, and the face curves."""
     seconds = np.arange(motion.frames, dtype=np.float32) / np.float32(motion.fps)
     time = buffer.add(seconds[:, None], "SCALAR", bounds=True)
-    tracks = [(0, "translation", _floats(pelvis), "VEC3")]
-    tracks += [
-        (joint, "rotation", _floats(turns), "VEC4")
-        for joint, turns in enumerate(_quaternions(motion.poses).unbind(1))
-    ]
+    animation = gltf.Animation(name="motion")
+    for sampler, (node, path, values, kind) in enumerate(_tracks(motion, pelvis, curves)):
+        output = buffer.add(values, kind)
+        animation.samplers.append(gltf.AnimationSampler(input=time, output=output))
+        target = gltf.AnimationChannelTarget(node=node, path=path)
+        animation.channels.append(gltf.AnimationChannel(sampler=sampler, target=target))
+    return animation
+
+
+def _tracks(
+    motion: Motion, pelvis: Tensor, curves: int
+) -> Iterator[tuple[int, str, np.ndarray, str]]:
+    """Node, what of it moves, the values and their kind; one at a time, to save memory."""
+    yield 0, "translation", _floats(pelvis), "VEC3"
+    for joint, poses in enumerate(motion.poses.unbind(1)):
+        yield joint, "rotation", _floats(_quaternions(poses)), "VEC4"
     if curves:
         face = _floats(motion.expression[:, :curves]).reshape(-1, 1)
-        tracks.append((len(JOINT_NAMES), "weights", face, "SCALAR"))
-    return gltf.Animation(
-        name="motion",
-        samplers=[
-            gltf.AnimationSampler(input=time, output=buffer.add(values, kind))
-            for _, _, values, kind in tracks
-        ],
-        channels=[
-            gltf.AnimationChannel(
-                sampler=sampler, target=gltf.AnimationChannelTarget(node=node, path=path)
-            )
-            for sampler, (node, path, _, _) in enumerate(tracks)
-        ],
-    )
+        yield len(JOINT_NAMES), "weights", face, "SCALAR"
 
 
 def _quaternions(poses: Tensor) -> Tensor:

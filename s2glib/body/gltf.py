@@ -4,6 +4,9 @@ Paper:    -
 Notebook: notebooks/01_motion_and_sound.ipynb
 """
 
+import struct
+from typing import BinaryIO
+
 import numpy as np
 import pygltflib as gltf
 
@@ -15,10 +18,14 @@ COMPONENTS = {
 
 
 class Buffer:
-    """Collects arrays (count, components); each gets a number by which a document names it."""
+    """Collects arrays (count, components); each gets a number by which a document names it.
+
+    Every array is kept once, and written from there.
+    """
 
     def __init__(self) -> None:
-        self.blob = bytearray()
+        self.blocks: list[bytes] = []
+        self.length = 0
         self.views: list[gltf.BufferView] = []
         self.accessors: list[gltf.Accessor] = []
 
@@ -53,20 +60,26 @@ class Buffer:
         self.accessors.append(accessor)
         return len(self.accessors) - 1
 
-    def packed(self, document: gltf.GLTF2) -> bytes:
-        """The whole file: the document, then the arrays."""
+    def write(self, file: BinaryIO, document: gltf.GLTF2) -> None:
+        """Write the whole GLB: a header, the document as JSON, then the arrays."""
         document.bufferViews, document.accessors = self.views, self.accessors
-        document.buffers = [gltf.Buffer(byteLength=len(self.blob))]
-        document.set_binary_blob(bytes(self.blob))
-        return b"".join(document.save_to_bytes())
+        document.buffers = [gltf.Buffer(byteLength=self.length)]
+        text = document.gltf_to_json(separators=(",", ":"), indent=None).encode()
+        text += b" " * (-len(text) % 4)
+        whole = 12 + 8 + len(text) + 8 + self.length
+        file.write(struct.pack("<4s2I", b"glTF", 2, whole))
+        file.write(struct.pack("<I4s", len(text), b"JSON") + text)
+        file.write(struct.pack("<I4s", self.length, b"BIN\0"))
+        file.writelines(self.blocks)
 
     def _view(self, values: np.ndarray, use: int | None) -> int:
         content = np.ascontiguousarray(values).tobytes()
         view = gltf.BufferView(
-            buffer=0, byteOffset=len(self.blob), byteLength=len(content), target=use
+            buffer=0, byteOffset=self.length, byteLength=len(content), target=use
         )
         self.views.append(view)
-        self.blob += content + bytes(-len(content) % 4)
+        self.blocks += [content, bytes(-len(content) % 4)]
+        self.length += sum(map(len, self.blocks[-2:]))
         return len(self.views) - 1
 
 

@@ -15,7 +15,7 @@ from safetensors.numpy import save
 
 from s2glib.body.skeleton import FACE_CURVES, JOINT_NAMES, PARENTS
 from s2glib.body.skinning import BodyModel
-from s2glib.body.whole_file import write_whole
+from s2glib.body.whole_file import whole_file
 
 FORMAT = "s2glib-mannequin/1"
 
@@ -62,7 +62,8 @@ def save_mannequin(body: BodyModel, path: str | os.PathLike) -> None:
         "parents": json.dumps(PARENTS),
         "face_curves": json.dumps(FACE_CURVES),
     }
-    write_whole(path, save(_packed(body), metadata=header))
+    with whole_file(path) as file:
+        file.write(save(_packed(body), metadata=header))
 
 
 def _packed(body: BodyModel) -> dict[str, np.ndarray]:

@@ -8,6 +8,7 @@ import math
 from dataclasses import dataclass
 from numbers import Real
 
+import torch
 from jaxtyping import Float
 from torch import Tensor
 
@@ -15,6 +16,7 @@ from s2glib.body.kinematics import forward_kinematics
 from s2glib.body.rotations import axis_angle_to_matrix
 from s2glib.body.skinning import BodyModel, Skinned, linear_blend_skinning
 
+_BLOCK = 1024  # frames whose joints are found together: a long motion needs no more memory
 _FRAME_SHAPES = {"poses": (55, 3), "trans": (3,), "expression": (100,)}
 
 
@@ -79,9 +81,14 @@ def _check_track(name: str, value: Tensor, frame_shape: tuple[int, ...]) -> None
 
 def joint_positions(motion: Motion, body: BodyModel) -> Float[Tensor, "frames 55 3"]:
     """Where the joints of the body's rest shape are in every frame, metres."""
-    rotations = axis_angle_to_matrix(motion.poses)
-    kinematics = forward_kinematics(rotations, body.joints.to(motion.poses), body.parents)
-    return kinematics.positions + motion.trans[:, None, :]
+    joints = body.joints.to(motion.poses)
+    blocks = zip(motion.poses.split(_BLOCK), motion.trans.split(_BLOCK), strict=True)
+    places = [
+        forward_kinematics(axis_angle_to_matrix(poses), joints, body.parents).positions
+        + trans[:, None, :]
+        for poses, trans in blocks
+    ]
+    return torch.cat(places)
 
 
 def skin_motion(motion: Motion, body: BodyModel) -> Skinned:

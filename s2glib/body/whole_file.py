@@ -6,14 +6,23 @@ Notebook: notebooks/01_motion_and_sound.ipynb
 
 import os
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import BinaryIO
 
 
-def write_whole(path: str | os.PathLike[str], content: bytes) -> None:
-    """Put a file in place in one step; a missing folder is made, an older file is replaced."""
+@contextmanager
+def whole_file(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
+    """Lend a file to write into; when all went well it takes its place in one step.
+
+    A missing folder is made, an older file is replaced. What is written piece by piece need not
+    stand in memory as a whole.
+    """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}-") as folder:
         aside = Path(folder, path.name)
-        aside.write_bytes(content)
+        with aside.open("wb") as file:
+            yield file
         aside.replace(path)

@@ -7,7 +7,6 @@ Notebook: -
 from pathlib import Path
 
 from s2glib.corpus.script import EMOTIONS
-from s2glib.papers.amuse.motion_features import FEATURES
 from s2glib.papers.amuse.pipeline import Amuse
 
 
@@ -47,7 +46,6 @@ def shared_sizes(amuse: Amuse) -> dict[str, tuple]:
             prior.frames,
             denoiser.frames_per_token * (denoiser.tokens - denoiser.global_tokens),
         ),
-        "motion features": (FEATURES, prior.features),
     }
 
 

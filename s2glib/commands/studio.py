@@ -5,6 +5,7 @@ Notebook: -
 """
 
 import json
+import warnings
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -20,6 +21,7 @@ from s2glib.commands.job import Job
 from s2glib.papers.amuse.pipeline import Amuse, Heard
 from s2glib.widgets import write_html
 
+SHOWN = 10 * 60  # seconds that gesture.html holds: 50 MB; for more a browser takes a gigabyte
 FILES = ("motion.npz", "motion.glb", "motion.bvh", "gesture.html", "report.json")
 
 
@@ -80,5 +82,26 @@ def write_motions(
     write_npz(folder / "motion.npz", motions[shown])
     write_glb(folder / "motion.glb", motions[shown], body)
     write_bvh(folder / "motion.bvh", motions[shown], body)
-    page = folder / "gesture.html"
-    write_html(page, motions, waveform, body, title=job.speech.name, text=job.told, view=shown)
+    write_page(folder / "gesture.html", motions, waveform, body, job)
+
+
+def write_page(
+    path: Path, motions: Mapping[str, Motion], waveform: Waveform, body: BodyModel, job: Job
+) -> None:
+    """The first `SHOWN` seconds on a page; where that is not all, page and warning say so."""
+    told, view = job.told, list(motions)[-1]
+    if waveform.duration > SHOWN:
+        part = (
+            f"{path.name} shows the first {SHOWN / 60:g} minutes; the other files hold everything"
+        )
+        warnings.warn(part, stacklevel=2)
+        told = f"{told} Here {part}."
+    heard = Waveform(waveform.samples[: SHOWN * waveform.sample_rate], waveform.sample_rate)
+    seen = {name: opening(motion) for name, motion in motions.items()}
+    write_html(path, seen, heard, body, title=job.speech.name, text=told, view=view)
+
+
+def opening(motion: Motion) -> Motion:
+    """The first `SHOWN` seconds of a motion, or all of a shorter one."""
+    end = round(SHOWN * motion.fps)
+    return Motion(motion.poses[:end], motion.trans[:end], motion.expression[:end], motion.fps)

@@ -39,10 +39,11 @@ def speech_window(
     """
     floor = noise_floor(n_mels)
     samples = samples[: (frames * pool - 1) * HOP + WINDOW]
-    samples = np.pad(samples, (0, max(0, WINDOW - len(samples))))
+    if len(samples) < WINDOW:
+        samples = np.pad(samples, (0, WINDOW - len(samples)))
     sound = filterbank(samples, n_mels=n_mels, frames=None)[: frames * pool]
     window = np.broadcast_to(floor, (frames * pool, n_mels)).copy()
-    window[: len(sound)] = np.maximum(sound, floor)
+    np.maximum(sound, floor, out=window[: len(sound)])
     return window.reshape(frames, pool, n_mels).mean(axis=1)
 
 

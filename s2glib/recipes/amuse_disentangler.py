@@ -9,13 +9,14 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 import torch
+from accelerate import Accelerator
 from torch import Tensor, nn
 
 from s2glib.corpus.build import Request, speech_set
 from s2glib.corpus.script import split
 from s2glib.data.windows import noise_floor
 from s2glib.papers.amuse.augmentation import gain_and_tilt, mask, shift
-from s2glib.papers.amuse.config import SPEECH_PRESETS
+from s2glib.papers.amuse.config import SPEECH_PRESETS, SpeechConfig
 from s2glib.papers.amuse.cross_reconstruction import (
     Donors,
     factor_swap_losses,
@@ -101,7 +102,7 @@ def draw_factor_swap(
     return FactorSwapStep(batch._replace(donors=donors), chance.progress >= CYCLE_FROM)
 
 
-def factor_table(name: str, config) -> FactorTable:
+def factor_table(name: str, config: SpeechConfig) -> FactorTable:
     """The clips of a split as standardised windows."""
     cells = split(name)
     speech = speech_set([Request(cell) for cell in cells])
@@ -111,13 +112,15 @@ def factor_table(name: str, config) -> FactorTable:
 
 @torch.no_grad()
 def encode_all(model: SpeechDisentangler, table: FactorTable, batch: int = 128) -> SpeechLatents:
-    """Latents of every clip of a table."""
-    model.eval()
+    """Latents of every clip of a table, computed on the GPU where there is one."""
+    place = Accelerator().device
+    model.eval().to(place)
     parts = [
-        model.encode(table.clips(index))
+        model.encode(table.clips(index).to(place))
         for index in np.array_split(np.arange(len(table.factors)), len(table.factors) // batch + 1)
     ]
-    return SpeechLatents(*(torch.cat(latents) for latents in zip(*parts, strict=True)))
+    model.cpu()
+    return SpeechLatents(*(torch.cat(latents).cpu() for latents in zip(*parts, strict=True)))
 
 
 def accuracies(model: SpeechDisentangler, table: FactorTable) -> dict[str, float]:

@@ -22,9 +22,8 @@ from s2glib.papers.amuse.front_end import standardized
 from s2glib.papers.amuse.motion_extractor import MotionExtractor, PositionJudge
 from s2glib.papers.amuse.speech_judge import SpeechJudge
 from s2glib.recipes.amuse_disentangler import factor_table
-from s2glib.recipes.amuse_gestures import fit_features, motion_cells, motion_windows
 from s2glib.recipes.fit import Chance, Course
-from s2glib.recipes.motion_data import MotionWindows
+from s2glib.recipes.motion_data import MotionWindows, fit_features, motion_cells, motion_windows
 from s2glib.recipes.speech_data import FactorTable
 from s2glib.recipes.stage import Stage
 
@@ -141,7 +140,7 @@ def train_motion_judges(stage: Stage) -> None:
     torch.manual_seed(stage.seed)
     config = EXTRACTOR_PRESETS[stage.preset]
     cells = motion_cells()
-    features = fit_features(cells)
+    features = fit_features(cells, config.features)
     windows = motion_windows(cells, features, config.frames)
     validation = motion_windows(split("validation"), features, config.frames)
     course = stage.course(EXTRACTOR)

@@ -10,10 +10,10 @@ from jaxtyping import Float
 from torch import Tensor
 
 from s2glib.body import FACE_CURVES
-from s2glib.corpus.build import WINDOW, render_motion, timing_of
+from s2glib.corpus.build import render_motion, timing_of
 from s2glib.corpus.face import mouth_shapes
 from s2glib.corpus.script import EMOTIONS, Cell, split
-from s2glib.papers.amuse.config import SPEECH_PRESETS
+from s2glib.papers.amuse.config import SPEECH_PRESETS, SpeechConfig
 from s2glib.papers.amuse.speech_face import FaceConfig, SpeechFace
 from s2glib.recipes.amuse_disentangler import factor_table
 from s2glib.recipes.stage import Stage
@@ -22,9 +22,9 @@ _CLIPS = 800  # enough for 321 x 4 coefficients
 _LIPS = 3
 
 
-def true_mouths(cells: list[Cell]) -> Float[Tensor, "n frames 4"]:
+def true_mouths(cells: list[Cell], config: SpeechConfig) -> Float[Tensor, "n frames 4"]:
     """Jaw and lips at the frames of speech windows, from the phoneme clock."""
-    moments = (np.arange(WINDOW["frames"]) + 0.5) * WINDOW["pool"] / 100
+    moments = (np.arange(config.frames) + 0.5) * config.pool / 100
     shapes = [mouth_shapes(timing_of(cell), moments) for cell in cells]
     return torch.from_numpy(np.stack(shapes)).float()
 
@@ -41,9 +41,9 @@ def mean_faces(cells: list[Cell]) -> Float[Tensor, "emotions curves"]:
     return faces
 
 
-def mouth_error(face: SpeechFace, heard: Tensor, cells: list[Cell]) -> float:
+def mouth_error(face: SpeechFace, heard: Tensor, true: Tensor) -> float:
     """Mean absolute error of jaw opening and lips, in shares of their range."""
-    return float((face.mouth(heard) - true_mouths(cells)).abs().mean())
+    return float((face.mouth(heard) - true).abs().mean())
 
 
 def train_face(stage: Stage) -> None:
@@ -53,9 +53,10 @@ def train_face(stage: Stage) -> None:
     chosen = np.random.default_rng(stage.seed).permutation(len(cells))[:_CLIPS]
     fitted = [cells[number] for number in chosen]
     face = SpeechFace(FaceConfig(n_mels=config.n_mels))
-    face.fit_mouth(table.clips(chosen), true_mouths(fitted))
+    face.fit_mouth(table.clips(chosen), true_mouths(fitted, config))
     face.emotion_faces.copy_(mean_faces(fitted[:160]))
     held_out = factor_table("validation", config)
-    figures = {"mouth error": mouth_error(face, held_out.windows.float(), split("validation"))}
+    true = true_mouths(split("validation"), config)
+    figures = {"mouth error": mouth_error(face, held_out.windows.float(), true)}
     record = {"course": {"steps": 0}, "seconds": 0.0, "curve": []}
     stage.publish("amuse-face", face, record, figures)

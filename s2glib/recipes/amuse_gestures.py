@@ -1,4 +1,4 @@
-"""Train the gesture generator: first the motion prior, then the latent denoiser on its latents.
+"""Train the gesture generator: after the motion prior, the latent denoiser on its latents.
 
 Paper:    AM C.1, C.3
 Notebook: notebooks/13_latent_diffusion.ipynb
@@ -14,32 +14,30 @@ from jaxtyping import Bool, Float, Int
 from torch import Tensor, nn
 
 from s2glib.checkpoint import load_checkpoint
-from s2glib.corpus.build import motion_set
-from s2glib.corpus.script import Cell, speech_take, split
+from s2glib.corpus.script import split
 from s2glib.diffusion import NoiseSchedule, add_noise
-from s2glib.papers.amuse.config import DENOISER_PRESETS, PRIOR_PRESETS, SpeechConfig
+from s2glib.papers.amuse.config import DENOISER_PRESETS, SpeechConfig
 from s2glib.papers.amuse.disentangler import SpeechDisentangler, SpeechLatents
 from s2glib.papers.amuse.front_end import MOTION_FPS, frame_moments, time_tracks
 from s2glib.papers.amuse.latent_denoiser import LatentDenoiser, SpeechCondition
-from s2glib.papers.amuse.motion_features import MotionFeatures
-from s2glib.papers.amuse.motion_prior import MotionPrior, prior_losses
+from s2glib.papers.amuse.motion_prior import MotionPrior
 from s2glib.papers.amuse.stress_listener import StressListener, heard_rhythm
-from s2glib.papers.amuse.temporal_prior import (
-    TemporalMotionDecoder,
-    TemporalMotionEncoder,
-    start_from_components,
-)
+from s2glib.papers.amuse.temporal_prior import TemporalMotionDecoder
 from s2glib.recipes.amuse_disentangler import encode_all, factor_table
 from s2glib.recipes.amuse_face import train_face
+from s2glib.recipes.amuse_prior import train_prior
 from s2glib.recipes.amuse_stress import train_stress
 from s2glib.recipes.fit import Chance, Course
-from s2glib.recipes.motion_data import MotionWindows, SpeechOfClips, speech_row
+from s2glib.recipes.motion_data import (
+    MotionWindows,
+    SpeechOfClips,
+    motion_cells,
+    motion_windows,
+    speech_row,
+)
 from s2glib.recipes.speech_data import FactorTable
 from s2glib.recipes.stage import Stage
 
-PRIOR = Course(
-    steps=6000, batch=32, learning_rate=1e-3, weight_decay=1e-4, warm_up=100, last_rate=0.03
-)
 DENOISER = Course(
     steps=9000,
     batch=64,
@@ -49,42 +47,9 @@ DENOISER = Course(
     warm_up=100,
     average=0.998,
 )
-FURTHER_TAKES = range(10, 14)  # of the motion takes; more cost rendering time only
-KL_RAMP = 300  # steps
 CONDITION_DROPOUT = 0.1
 DONATED = 0.5  # share of conditions whose content, or emotion, comes from another clip
 CONDITION_NOISE = 0.3  # of a latent's own spread
-
-
-class PriorStep(NamedTuple):
-    """A batch of motion, the noise of the latent, and how much the KL term counts."""
-
-    motion: Float[Tensor, "batch frames features"]
-    generator: torch.Generator
-    kl: float
-
-
-class PriorObjective(nn.Module):
-    """Holds the prior; one call is one forward pass."""
-
-    def __init__(self, model: MotionPrior):
-        super().__init__()
-        self.model = model
-
-    def forward(self, step: PriorStep) -> tuple[Tensor, dict[str, Tensor]]:
-        """The weighted loss and its terms."""
-        losses = prior_losses(self.model, step.motion, generator=step.generator)
-        return losses.total(kl=step.kl), losses._asdict()
-
-
-def draw_prior(
-    windows: MotionWindows, course: Course, chance: Chance, kl_weight: float
-) -> PriorStep:
-    """Windows that start anywhere in any clip."""
-    clips = chance.rng.integers(len(windows.cells), size=course.batch)
-    motion = windows.window(clips, windows.any_offset(clips, chance.rng))
-    step = chance.progress * course.steps
-    return PriorStep(motion, chance.generator, kl_weight * min(1.0, step / KL_RAMP))
 
 
 class DenoiserStep(NamedTuple):
@@ -144,6 +109,24 @@ def token_statistics(
     return mean, torch.cat([whole.std(0), local.std(0).expand(count, -1)])
 
 
+def balance_latents(
+    denoiser: LatentDenoiser, prior: MotionPrior, windows: MotionWindows, seed: int
+) -> Float[Tensor, "tokens dim"]:
+    """Standardise latents, and weigh them by what they move, where linear paths tell it (ours).
+
+    The paper's latents stay as its prior makes them, and all their numbers count alike.
+    """
+    if prior.config.backbone == "transformer":
+        return torch.ones_like(denoiser.latent_std)
+    clips = np.random.default_rng(seed).permutation(len(windows.cells))[:4096]
+    offsets = windows.any_offset(clips, np.random.default_rng(seed))
+    with torch.no_grad():
+        mean, std = token_statistics(prior.encode(windows.window(clips, offsets)).mean)
+    denoiser.latent_mean.copy_(mean)
+    denoiser.latent_std.copy_(std)
+    return latent_weights(prior, denoiser)
+
+
 class GestureData:
     """Motion windows with the rows of their speech, and latents encoded on the fly.
 
@@ -184,8 +167,9 @@ class GestureData:
             )
         )
         dropped = torch.rand(count, 3, generator=chance.generator) < CONDITION_DROPOUT
+        motion = self.windows.window(clips, offsets).to(model.latent_mean)
         with torch.no_grad():
-            x0 = model.standardize(self.prior.encode(self.windows.window(clips, offsets)).mean)
+            x0 = model.standardize(self.prior.to(motion.device).encode(motion).mean)
         t = torch.randint(model.config.levels, (count,), generator=chance.generator)
         condition = condition._replace(latents=noisy, dropped=dropped)
         return DenoiserStep(x0, condition, t, _noise(x0.shape, chance))
@@ -234,30 +218,6 @@ def _noise(shape, chance: Chance) -> Tensor:
     return torch.randn(shape, generator=chance.generator)
 
 
-def motion_cells() -> list[Cell]:
-    """The training cells' performances: takes 0 and 1, and some of the further takes."""
-    train, motion = set(split("train")), split("motion")
-    performances = [
-        c
-        for c in motion
-        if c.take in FURTHER_TAKES and c._replace(take=speech_take(c.take)) in train
-    ]
-    return [*split("train"), *performances]
-
-
-def motion_windows(cells: list[Cell], features: MotionFeatures, frames: int) -> MotionWindows:
-    """Render (or read) the motion of cells."""
-    return MotionWindows(cells, motion_set(cells).poses, features, frames)
-
-
-def fit_features(cells: list[Cell]) -> MotionFeatures:
-    """Statistics of poses, from every ninth frame of every seventh clip."""
-    poses = motion_set(cells[::7]).poses
-    features = MotionFeatures()
-    features.fit(torch.from_numpy(np.concatenate([p[::9] for p in poses])).float())
-    return features
-
-
 @torch.no_grad()
 def speech_of(
     model: SpeechDisentangler, stress: StressListener, table: FactorTable
@@ -265,38 +225,6 @@ def speech_of(
     """Latents and rhythm of every clip of a table."""
     tracks = [heard_rhythm(windows.float(), stress) for windows in table.windows.split(128)]
     return SpeechOfClips(encode_all(model, table), torch.cat(tracks))
-
-
-@torch.no_grad()
-def wrist_error(prior: MotionPrior, windows: MotionWindows, count: int = 512) -> float:
-    """Centimetres between true and reconstructed wrists, in the first windows of clips."""
-    prior.eval()
-    motion = windows.first()[:count]
-    true, made = (prior.features.positions(x)[..., 5:7, :] for x in (motion, prior(motion)))
-    return 100 * float((true - made).norm(dim=-1).mean())
-
-
-def train_prior(stage: Stage) -> MotionPrior:
-    """The first half of the stage: the motion prior, started from principal components."""
-    torch.manual_seed(stage.seed)
-    cells = motion_cells()
-    prior = MotionPrior(PRIOR_PRESETS[stage.preset])
-    prior.features = fit_features(cells)
-    windows = motion_windows(cells, prior.features, prior.config.frames)
-    rng = np.random.default_rng(stage.seed)
-    clips = rng.permutation(len(cells))[:4096]
-    encoder, decoder = prior.encoder, prior.decoder
-    assert isinstance(encoder, TemporalMotionEncoder)
-    assert isinstance(decoder, TemporalMotionDecoder)
-    start = windows.window(clips, windows.any_offset(clips, rng))
-    start_from_components(encoder, decoder, start)
-    course = stage.course(PRIOR)
-    draw = partial(draw_prior, windows, course, kl_weight=prior.config.kl_weight)
-    kept, record = stage.train("amuse-prior", PriorObjective(prior), course, draw)
-    validation = motion_windows(split("validation"), prior.features, prior.config.frames)
-    figures = {"wrist error in cm": wrist_error(kept.model, validation)}
-    stage.publish("amuse-prior", kept.model.eval(), record, figures)
-    return kept.model
 
 
 def train(stage: Stage) -> None:
@@ -318,14 +246,7 @@ def train_denoiser(stage: Stage, prior: MotionPrior) -> None:
     heard = speech_of(speech, stress, factor_table("train", speech.config))
     data = GestureData(windows, speech_row(cells, spoken), heard, prior, speech.config)
     denoiser = LatentDenoiser(DENOISER_PRESETS[stage.preset])
-    clips = np.random.default_rng(stage.seed).permutation(len(cells))[:4096]
-    offsets = windows.any_offset(clips, np.random.default_rng(stage.seed))
-    with torch.no_grad():
-        latents = prior.encode(windows.window(clips, offsets)).mean
-    mean, std = token_statistics(latents)
-    denoiser.latent_mean.copy_(mean)
-    denoiser.latent_std.copy_(std)
-    weights = latent_weights(prior, denoiser)
+    weights = balance_latents(denoiser, prior, windows, stage.seed)
     course = stage.course(DENOISER)
     draw = partial(data.draw, denoiser, course)
     objective = DenoiserObjective(denoiser, weights)

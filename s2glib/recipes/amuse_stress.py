@@ -12,10 +12,10 @@ import torch
 from jaxtyping import Float
 from torch import Tensor, nn
 
-from s2glib.corpus.build import WINDOW, timing_of
+from s2glib.corpus.build import timing_of
 from s2glib.corpus.script import Cell, split
 from s2glib.papers.amuse.augmentation import gain_and_tilt
-from s2glib.papers.amuse.config import SPEECH_PRESETS
+from s2glib.papers.amuse.config import SPEECH_PRESETS, SpeechConfig
 from s2glib.papers.amuse.stress_listener import (
     StressConfig,
     StressListener,
@@ -28,7 +28,6 @@ from s2glib.recipes.speech_data import FactorTable
 from s2glib.recipes.stage import Stage
 
 STRESS = Course(steps=1500, batch=48, learning_rate=2e-3, warm_up=50)
-_FRAME_RATE = 100 / WINDOW["pool"]
 
 
 class StressStep(NamedTuple):
@@ -51,13 +50,13 @@ class StressObjective(nn.Module):
         return loss, {"stress": loss}
 
 
-def true_stresses(cells: list[Cell]) -> Float[Tensor, "n frames"]:
+def true_stresses(cells: list[Cell], config: SpeechConfig) -> Float[Tensor, "n frames"]:
     """Targets for the windows of cells."""
     times = [timing_of(cell).stress_times for cell in cells]
     padded = np.full((len(cells), max(map(len, times))), np.nan, np.float32)
     for row, stresses in zip(padded, times, strict=True):
         row[: len(stresses)] = stresses
-    return stress_targets(torch.from_numpy(padded), WINDOW["frames"], _FRAME_RATE)
+    return stress_targets(torch.from_numpy(padded), config.frames, 100 / config.pool)
 
 
 def draw_stress(
@@ -82,12 +81,12 @@ def train_stress(stage: Stage) -> None:
     config = SPEECH_PRESETS[stage.preset]
     listener = StressListener(StressConfig(n_mels=config.n_mels))
     table, course = factor_table("train", config), stage.course(STRESS)
-    draw = partial(draw_stress, table, true_stresses(split("train")), config.std, course)
+    draw = partial(draw_stress, table, true_stresses(split("train"), config), config.std, course)
     kept, record = stage.train("amuse-stress", StressObjective(listener), course, draw)
     held_out = factor_table("validation", config).windows
     figures = {
         "correlation with true stress": stress_correlation(
-            kept.model.eval(), held_out, true_stresses(split("validation"))
+            kept.model.eval(), held_out, true_stresses(split("validation"), config)
         )
     }
     stage.publish("amuse-stress", kept.model, record, figures)

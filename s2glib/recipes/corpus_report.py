@@ -24,7 +24,7 @@ from s2glib.folders import data_folder
 from s2glib.metrics import kinematic_beats, shuffled_alignment
 from s2glib.papers.amuse import MotionExtractor
 from s2glib.recipes.amuse_extractor import gesture_accuracy
-from s2glib.recipes.amuse_gestures import motion_windows
+from s2glib.recipes.motion_data import motion_windows
 from s2glib.viz import draw_strip
 
 SHOWN_SENTENCE, SHOWN_TAKE, SHOWN_SPEAKERS = 4, 2, ("voice_01", "voice_05", "voice_10", "voice_14")

@@ -18,16 +18,18 @@ from torch import Tensor
 from s2glib.checkpoint import load_checkpoint
 from s2glib.corpus.build import Request, onset_set, timing_of
 from s2glib.corpus.script import EMOTIONS, Cell, split
+from s2glib.layers import in_batches
 from s2glib.papers.amuse.front_end import frame_moments, time_tracks
 from s2glib.papers.amuse.latent_denoiser import SpeechCondition
 from s2glib.papers.amuse.motion_extractor import MotionExtractor, PositionJudge
 from s2glib.papers.amuse.motion_prior import MotionPrior
 from s2glib.papers.amuse.pipeline import Amuse
 from s2glib.papers.amuse.stress_listener import heard_rhythm
-from s2glib.recipes.amuse_gestures import motion_windows
 from s2glib.recipes.donors import emotion_donors
 from s2glib.recipes.evaluate_beats import beat_rows
 from s2glib.recipes.evaluate_frechet import frechet_rows
+from s2glib.recipes.evaluate_seams import recordings, seam_rows
+from s2glib.recipes.motion_data import motion_windows
 from s2glib.recipes.motion_seen import (
     WRISTS,
     Judges,
@@ -37,7 +39,7 @@ from s2glib.recipes.motion_seen import (
     wrist_spread,
 )
 from s2glib.recipes.report import Row, figure, ratio, share
-from s2glib.recipes.speech_clips import Encoded, encode_clips, in_batches
+from s2glib.recipes.speech_clips import Encoded, encode_clips
 
 TRAIN_CLIPS = 1536  # from which the sets for the Frechet distance are drawn
 _SEED = 11
@@ -64,6 +66,7 @@ def evaluate_amuse_gesture(folder: Path) -> list[Row]:
     return [
         *prior_rows(judges, amuse.prior, real, speech.clips.emotion),
         *generator_rows(judges, amuse, real, others, speech),
+        *seam_rows(amuse, list(recordings())),
     ]
 
 
@@ -83,7 +86,7 @@ def check_statistics(prior: MotionPrior, judges: Judges) -> None:
             )
 
 
-def first_windows(prior: MotionPrior, cells: list[Cell]) -> Float[Tensor, "n frames 90"]:
+def first_windows(prior: MotionPrior, cells: list[Cell]) -> Float[Tensor, "n frames features"]:
     """Features of the first window of each clip."""
     return motion_windows(cells, prior.features, prior.config.frames).first()
 
@@ -167,7 +170,7 @@ def with_guidance(amuse: Amuse, guidance: float) -> Amuse:
     return Amuse(amuse.speech, amuse.prior, amuse.denoiser, amuse.stress, amuse.face, sampling)
 
 
-def sample(amuse: Amuse, condition: SpeechCondition) -> Float[Tensor, "n frames 90"]:
+def sample(amuse: Amuse, condition: SpeechCondition) -> Float[Tensor, "n frames features"]:
     """One window for each clip, from noise that is the same at every call."""
     return amuse.sample_windows(condition, generator=torch.Generator().manual_seed(_SEED))
 

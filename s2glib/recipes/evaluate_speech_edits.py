@@ -8,6 +8,7 @@ import numpy as np
 import torch
 
 from s2glib.corpus.build import Request
+from s2glib.layers import in_batches
 from s2glib.papers.amuse.disentangler import SpeechDisentangler, SpeechLatents
 from s2glib.papers.amuse.speech_judge import SpeechJudge, SpeechOpinion
 from s2glib.recipes.amuse_extractor import blur
@@ -18,7 +19,6 @@ from s2glib.recipes.speech_clips import (
     SpeechClips,
     decoded_errors,
     encode_clips,
-    in_batches,
     is_right,
     speech_clips,
 )

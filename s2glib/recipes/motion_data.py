@@ -12,9 +12,12 @@ import torch
 from jaxtyping import Float
 from torch import Tensor
 
-from s2glib.corpus.script import EMOTIONS, Cell, speech_take
+from s2glib.corpus.build import motion_set
+from s2glib.corpus.script import EMOTIONS, Cell, speech_take, split
 from s2glib.papers.amuse.disentangler import SpeechLatents
-from s2glib.papers.amuse.motion_features import MotionFeatures
+from s2glib.papers.amuse.motion_features import MotionFeatures, motion_features
+
+FURTHER_TAKES = range(10, 14)  # of the motion takes; more cost rendering time only
 
 
 class MotionWindows:
@@ -58,6 +61,30 @@ class MotionWindows:
     def first(self) -> Float[Tensor, "n frames features"]:
         """The first window of every clip."""
         return self.window(np.arange(len(self.cells)), np.zeros(len(self.cells), int))
+
+
+def motion_cells() -> list[Cell]:
+    """The training cells' performances: takes 0 and 1, and some of the further takes."""
+    train, motion = set(split("train")), split("motion")
+    performances = [
+        c
+        for c in motion
+        if c.take in FURTHER_TAKES and c._replace(take=speech_take(c.take)) in train
+    ]
+    return [*split("train"), *performances]
+
+
+def motion_windows(cells: list[Cell], features: MotionFeatures, frames: int) -> MotionWindows:
+    """Render (or read) the motion of cells."""
+    return MotionWindows(cells, motion_set(cells).poses, features, frames)
+
+
+def fit_features(cells: list[Cell], size: int) -> MotionFeatures:
+    """Features of `size` numbers, fitted on every ninth frame of every seventh clip."""
+    poses = motion_set(cells[::7]).poses
+    features = motion_features(size)
+    features.fit(torch.from_numpy(np.concatenate([p[::9] for p in poses])).float())
+    return features
 
 
 class SpeechOfClips(NamedTuple):

@@ -10,11 +10,11 @@ import numpy as np
 from jaxtyping import Float, Int
 from torch import Tensor
 
+from s2glib.layers import in_batches
 from s2glib.metrics import derivative_sizes
 from s2glib.papers.amuse.front_end import MOTION_FPS
 from s2glib.papers.amuse.motion_extractor import MotionExtractor, PositionJudge
 from s2glib.papers.amuse.motion_features import SEEN_JOINTS
-from s2glib.recipes.speech_clips import in_batches
 
 WRISTS = [SEEN_JOINTS.index("left_wrist"), SEEN_JOINTS.index("right_wrist")]
 
@@ -29,13 +29,13 @@ class Judges(NamedTuple):
 class Seen(NamedTuple):
     """Windows of motion and what the judges make of them."""
 
-    motion: Float[Tensor, "n frames 90"]
+    motion: Float[Tensor, "n frames features"]
     places: Float[np.ndarray, "n frames 9 3"]
     code: Float[np.ndarray, "n width"]  # M's features
     emotion: dict[str, Int[np.ndarray, " n"]]  # by judge
 
 
-def look(judges: Judges, motion: Float[Tensor, "n frames 90"]) -> Seen:
+def look(judges: Judges, motion: Float[Tensor, "n frames features"]) -> Seen:
     """Show motion to the judges, as rotations that are rotations."""
     features = judges.extractor.features
     motion = in_batches(features.valid, motion)

@@ -1,11 +1,11 @@
-"""Test clips as the speech models hear them, and networks applied to many clips at once.
+"""Test clips as the speech models hear them.
 
 Paper:    AM B.4
 Notebook: notebooks/09_disentanglement.ipynb
 """
 
-from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 import torch
@@ -15,6 +15,7 @@ from torch import Tensor
 from s2glib.corpus.build import Request, speech_set
 from s2glib.corpus.script import EMOTIONS, SPEAKERS, Cell
 from s2glib.data.windows import spoken_frames
+from s2glib.layers import in_batches
 from s2glib.papers.amuse.config import SpeechConfig
 from s2glib.papers.amuse.disentangler import SpeechDisentangler, SpeechLatents
 from s2glib.papers.amuse.front_end import standardized
@@ -94,13 +95,3 @@ def is_right(
 ) -> Bool[np.ndarray, " n"]:
     """Whether the highest score is the label's."""
     return scores.argmax(dim=-1).numpy() == labels
-
-
-@torch.no_grad()
-def in_batches(network: Callable[..., Any], *inputs: Tensor, size: int = 96) -> Any:
-    """`network(*inputs)`, a tensor or a named tuple of tensors, `size` clips at a time."""
-    pieces = zip(*(tensor.split(size) for tensor in inputs), strict=True)
-    parts = [network(*piece) for piece in pieces]
-    if isinstance(parts[0], Tensor):
-        return torch.cat(parts)
-    return type(parts[0])(*(torch.cat(fields) for fields in zip(*parts, strict=True)))

@@ -54,7 +54,7 @@ class Stage:
     def train(
         self, part: str, objective: Kept, course: Course, draw: Callable[[Chance], Any]
     ) -> tuple[Kept, dict[str, Any]]:
-        """Run a course with a progress bar; give back the objective to keep and its record."""
+        """Run a course with a progress bar; give back the objective (on the CPU) and its record."""
         state = self.state_file(part)
         training = Training(objective, course, resume_from=state if self.resume else None)
         bar = tqdm(total=course.steps, initial=training.step, desc=part, mininterval=2)
@@ -76,7 +76,7 @@ class Stage:
         bar.close()
         training.save(state)
         record = {"course": asdict(course), "seconds": notes["seconds"], "curve": curve}
-        return cast(Kept, training.result), record
+        return cast(Kept, training.result.cpu()), record
 
     def publish(
         self, part: str, model: nn.Module, record: dict[str, Any], figures: dict[str, float]

@@ -96,4 +96,9 @@ AMUSE_GESTURE = {
     "same seed twice, largest difference": _most(0.0),
 }
 
-TARGETS: dict[str, Target] = AMUSE_SPEECH | AMUSE_GESTURE
+AMUSE_SEAMS = {
+    "seams: wrist speed, there over elsewhere / real": _near_one(0.2),
+    "seams: wrist jerk, there over elsewhere / real": _near_one(0.2),
+}
+
+TARGETS: dict[str, Target] = AMUSE_SPEECH | AMUSE_GESTURE | AMUSE_SEAMS

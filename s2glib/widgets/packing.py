@@ -21,6 +21,7 @@ from s2glib.body.motion import Motion
 from s2glib.body.skeleton import JOINT_NAMES
 from s2glib.body.skinning import BodyModel
 
+BLOCK = 1024  # frames whose turns are quantised together
 INFLUENCES = 4  # joints that one vertex follows at most
 NORMAL_SCALE = 4096  # 16-bit steps in a normal of length one
 CLAY = 0.72  # red, green and blue of a body without colours
@@ -32,13 +33,13 @@ def pack(arrays: Mapping[str, np.ndarray], facts: Mapping[str, object]) -> bytes
 
     Layout: the header's length (uint32), the header (JSON), then each array from a multiple of 8.
     """
-    entries, blocks, offset = [], [], 0
+    entries, offset = [], 0
+    blocks: list[memoryview | bytes] = []
     for name, array in arrays.items():
-        block = np.ascontiguousarray(array).tobytes()
         kind = array.dtype.newbyteorder("<").str[1:]
         entries.append({"name": name, "kind": kind, "shape": array.shape, "offset": offset})
-        blocks.append(block + bytes(-len(block) % 8))
-        offset += len(blocks[-1])
+        blocks += [np.ascontiguousarray(array).data, bytes(-array.nbytes % 8)]
+        offset += array.nbytes + len(blocks[-1])
     header = json.dumps({"facts": dict(facts), "arrays": entries}).encode()
     header += b" " * (-(len(header) + 4) % 8)
     return len(header).to_bytes(4, "little") + header + b"".join(blocks)
@@ -100,13 +101,18 @@ def pack_sound(waveform: Waveform | None, seconds: float) -> bytes:
 
     short = max(0, round(seconds * waveform.sample_rate) - len(waveform.samples))
     file = io.BytesIO()
-    samples = np.pad(waveform.samples, (0, short))
-    soundfile.write(file, samples, waveform.sample_rate, format="WAV", subtype="PCM_16")
+    with soundfile.SoundFile(file, "w", waveform.sample_rate, 1, "PCM_16", format="WAV") as wav:
+        wav.write(waveform.samples)
+        wav.write(np.zeros(short, np.float32))
     return file.getvalue()
 
 
 def quantized_turns(poses: Float[Tensor, "frames j 3"]) -> Int16[np.ndarray, "frames j 4"]:
     """Axis-angles as unit quaternions (w, x, y, z) in steps of 1 / 32767: within 1e-4 rad."""
+    return np.concatenate([_quantized(block) for block in poses.split(BLOCK)])
+
+
+def _quantized(poses: Tensor) -> np.ndarray:
     half = poses.double().numpy() / 2
     angle = np.linalg.norm(half, axis=-1, keepdims=True)
     quaternions = np.concatenate([np.cos(angle), half * np.sinc(angle / np.pi)], axis=-1)
@@ -116,7 +122,11 @@ def quantized_turns(poses: Float[Tensor, "frames j 3"]) -> Int16[np.ndarray, "fr
 def _stacked(tracks: list[np.ndarray]) -> np.ndarray:
     """One array of tracks that may differ in length: the last frame of a short one stays."""
     frames = max(map(len, tracks))
-    return np.stack([track[np.arange(frames).clip(max=len(track) - 1)] for track in tracks])
+    stack = np.empty((len(tracks), frames, *tracks[0].shape[1:]), tracks[0].dtype)
+    for place, track in zip(stack, tracks, strict=True):
+        place[: len(track)] = track
+        place[len(track) :] = track[-1]
+    return stack
 
 
 def _padded(values: np.ndarray, kind: type) -> np.ndarray:

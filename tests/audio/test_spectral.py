@@ -116,3 +116,9 @@ def test_tempogram_peaks_at_the_period_of_the_clicks(clicks):
 def test_doors_over_librosa_refuse_too_little_and_infinity(door, bad):
     with pytest.raises(ValueError, match="samples"):
         door(bad, 16000)
+
+
+def test_long_speech_is_transformed_block_by_block(vowel, monkeypatch):
+    whole = filterbank(vowel)
+    monkeypatch.setattr("s2glib.audio.spectral.BLOCK", 7)
+    np.testing.assert_allclose(filterbank(vowel), whole, atol=1e-5)

@@ -230,3 +230,11 @@ def test_another_skeleton_is_refused(tmp_path):
     with pytest.raises(ValueError, match="55 joints, the body 2"):
         write_bvh(tmp_path / "stick.bvh", random_motion(), stick)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_long_motion_is_written_block_by_block(body, tmp_path, monkeypatch):
+    motion = random_motion()
+    write_bvh(tmp_path / "whole.bvh", motion, body)
+    monkeypatch.setattr("s2glib.body.bvh.BLOCK", 2)
+    write_bvh(tmp_path / "blocks.bvh", motion, body)
+    assert (tmp_path / "blocks.bvh").read_text() == (tmp_path / "whole.bvh").read_text()

@@ -137,3 +137,10 @@ def test_the_face_takes_as_many_curves_as_the_body_knows(curves):
     skinned = skin_motion(Motion(**still, fps=30), body(curves))
     lift = (skinned.vertices - skinned.joints)[:, 0, 1]
     torch.testing.assert_close(lift, still["expression"][:, :curves].sum(-1), atol=1e-5, rtol=1e-5)
+
+
+def test_a_long_motion_finds_its_joints_block_by_block(monkeypatch):
+    motion = Motion(torch.randn(10, 55, 3), torch.randn(10, 3), torch.zeros(10, 100), fps=30)
+    whole = joint_positions(motion, body())
+    monkeypatch.setattr("s2glib.body.motion._BLOCK", 3)
+    torch.testing.assert_close(joint_positions(motion, body()), whole)

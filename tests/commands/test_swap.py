@@ -185,3 +185,17 @@ def test_it_runs_as_a_module(record, here):
     assert (done.returncode, done.stderr) == (0, "")
     assert "Wrote motion.npz" in done.stdout
     assert {path.name for path in (here / "out").iterdir()} == FILES
+
+
+def test_of_very_long_speech_the_page_shows_the_beginning(record, swap, here, capsys, monkeypatch):
+    monkeypatch.setattr("s2glib.commands.studio.SHOWN", 1)
+    motion, report = swap(record(seconds=1.5), "--emotion", "anger")
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "gesture.html shows the first 0.0166667 minutes" in line
+    assert report["warnings"] == [line.removeprefix("warning: ")]
+    page = (here / "out" / "gesture.html").read_text("utf-8")
+    content = json.loads(re.search(r'id="content">(.*?)</script>', page, re.DOTALL)[1])
+    assert b'"shape": [2, 30, 55, 4]' in base64.b64decode(content["motion"])
+    assert len(base64.b64decode(content["sound"])) == 44 + 2 * 16000
+    assert "Here gesture.html shows the first" in page
+    assert len(motion["poses"]) == 45

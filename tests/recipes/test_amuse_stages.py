@@ -15,12 +15,12 @@ from s2glib.papers.amuse import (
     TEACHING_SPEECH,
     LatentDenoiser,
     MotionExtractor,
-    MotionFeatures,
     MotionPrior,
     PositionJudge,
     SpeechDisentangler,
     SpeechJudge,
     SpeechLatents,
+    UpperBodyFeatures,
 )
 from s2glib.recipes import (
     Chance,
@@ -32,6 +32,7 @@ from s2glib.recipes import (
     amuse_disentangler,
     amuse_extractor,
     amuse_gestures,
+    amuse_prior,
 )
 
 SPEECH = replace(
@@ -61,7 +62,7 @@ def table():
 @pytest.fixture
 def windows(rng):
     poses = [rng.normal(0, 0.3, (n, 55, 3)).astype(np.float16) for n in rng.integers(30, 90, 64)]
-    return MotionWindows(CELLS, poses, MotionFeatures(), frames=40)
+    return MotionWindows(CELLS, poses, UpperBodyFeatures(), frames=40)
 
 
 @pytest.fixture
@@ -138,8 +139,8 @@ def test_latents_of_a_whole_table_come_in_its_order(table):
 def test_the_prior_trains_every_part(windows):
     prior = MotionPrior(PRIOR)
     still = learns(
-        amuse_gestures.PriorObjective(prior),
-        lambda c: amuse_gestures.draw_prior(windows, COURSE, c, kl_weight=1e-3),
+        amuse_prior.PriorObjective(prior),
+        lambda c: amuse_prior.draw_prior(windows, COURSE, c, kl_weight=1e-3),
     )
     assert still == []
 
@@ -147,7 +148,7 @@ def test_the_prior_trains_every_part(windows):
 @pytest.mark.parametrize(("progress", "share"), [(0.0, 0.0), (0.005, 0.5), (0.5, 1.0)])
 def test_the_kl_term_grows_over_300_steps(windows, progress, share):
     course = replace(COURSE, steps=30000)
-    step = amuse_gestures.draw_prior(windows, course, chance(progress), kl_weight=0.01)
+    step = amuse_prior.draw_prior(windows, course, chance(progress), kl_weight=0.01)
     assert step.kl == pytest.approx(0.01 * share)
     assert step.motion.shape == (6, 40, 90)
 
@@ -266,4 +267,4 @@ def test_the_wrist_error_is_in_centimetres(windows):
     true = prior.features.positions(windows.first())[..., 5:7, :]
     arms_out = prior.features.positions(still)[5:7]
     expected = 100 * torch.linalg.vector_norm(true - arms_out, dim=-1).mean()
-    assert amuse_gestures.wrist_error(prior, windows) == pytest.approx(float(expected), rel=1e-4)
+    assert amuse_prior.wrist_error(prior, windows) == pytest.approx(float(expected), rel=1e-4)

@@ -19,7 +19,7 @@ from s2glib.papers.amuse.config import (
 from s2glib.papers.amuse.disentangler import SpeechDisentangler
 from s2glib.papers.amuse.latent_denoiser import LatentDenoiser
 from s2glib.papers.amuse.motion_extractor import Judgement, MotionExtractor, PositionJudge
-from s2glib.papers.amuse.motion_features import MotionFeatures
+from s2glib.papers.amuse.motion_features import UpperBodyFeatures
 from s2glib.papers.amuse.motion_prior import MotionPrior
 from s2glib.papers.amuse.pipeline import Amuse, Sampling
 from s2glib.papers.amuse.speech_face import FaceConfig, SpeechFace
@@ -65,7 +65,7 @@ class Identity(MotionPrior):
 @pytest.fixture(scope="module")
 def features():
     rng = np.random.default_rng(0)
-    features = MotionFeatures()
+    features = UpperBodyFeatures()
     features.fit(torch.from_numpy(rng.normal(0, 0.3, (60, 55, 3))).float())
     return features
 

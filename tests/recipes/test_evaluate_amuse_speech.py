@@ -17,7 +17,7 @@ from s2glib.papers.amuse.speech_judge import SpeechJudge, SpeechOpinion
 from s2glib.recipes import evaluate_amuse_speech as tables
 from s2glib.recipes.evaluate_amuse_speech import disentangler_rows, evaluate_amuse_speech
 from s2glib.recipes.evaluate_speech_edits import edit_rows, judge_rows
-from s2glib.recipes.speech_clips import decoded_errors, encode_clips, in_batches
+from s2glib.recipes.speech_clips import decoded_errors, encode_clips
 from s2glib.recipes.targets import AMUSE_SPEECH
 
 CONFIG = replace(TEACHING_SPEECH, frames=8, mean=0.0, std=0.5)
@@ -165,13 +165,6 @@ def test_a_judge_that_cannot_bear_blurred_speech_is_found_out():
     got = figures(judge_rows(Ear(), encode_clips(Perfect(), cells()).clips))
     assert got["judge right, emotion"] == got["judge right, voice"] == 1
     assert got["judge right, emotion, blurred"] < 0.95
-
-
-def test_batches_do_not_change_the_answer(rng):
-    x = torch.from_numpy(rng.normal(size=(7, 8, 64))).float()
-    whole, pieces = (in_batches(Perfect().encode, x, size=size) for size in (7, 3))
-    assert isinstance(pieces, SpeechLatents)
-    assert all(torch.equal(a, b) for a, b in zip(whole, pieces, strict=True))
 
 
 def test_the_whole_table_has_a_row_for_every_target(monkeypatch):

@@ -3,7 +3,7 @@ import pytest
 import torch
 
 from s2glib.corpus import Cell
-from s2glib.papers.amuse import MotionFeatures, SpeechLatents
+from s2glib.papers.amuse import SpeechLatents, UpperBodyFeatures
 from s2glib.recipes import MotionWindows, SpeechOfClips, speech_row
 
 LENGTHS = (50, 12, 30)
@@ -18,12 +18,12 @@ def poses():
 
 @pytest.fixture
 def windows(poses):
-    return MotionWindows(CELLS, poses, MotionFeatures(), frames=20)
+    return MotionWindows(CELLS, poses, UpperBodyFeatures(), frames=20)
 
 
 def test_a_window_is_a_cut_of_the_clips_features(windows, poses):
     cut = windows.window(np.array([0, 2]), np.array([7, 0]))
-    features = MotionFeatures()
+    features = UpperBodyFeatures()
     for found, pose in zip(cut, (poses[0][7:27], poses[2][:20]), strict=True):
         expected = features.from_poses(torch.from_numpy(pose).float())
         torch.testing.assert_close(found, expected, atol=2e-3, rtol=0)

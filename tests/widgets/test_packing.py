@@ -118,3 +118,9 @@ def test_a_longer_sound_is_not_cut(waveform):
 
 def test_silence_is_no_sound_at_all():
     assert pack_sound(None, 3.0) == b""
+
+
+def test_a_long_motion_is_quantised_block_by_block(motion, monkeypatch):
+    whole = quantized_turns(motion.poses)
+    monkeypatch.setattr("s2glib.widgets.packing.BLOCK", 7)
+    assert np.array_equal(quantized_turns(motion.poses), whole)

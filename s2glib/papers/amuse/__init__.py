@@ -27,7 +27,12 @@ from s2glib.papers.amuse.disentangler import SpeechDisentangler, SpeechLatents
 from s2glib.papers.amuse.front_end import rhythm, speech_input, standardized, time_tracks
 from s2glib.papers.amuse.latent_denoiser import LatentDenoiser, SpeechCondition
 from s2glib.papers.amuse.motion_extractor import Judgement, MotionExtractor, PositionJudge
-from s2glib.papers.amuse.motion_features import MotionFeatures
+from s2glib.papers.amuse.motion_features import (
+    MotionFeatures,
+    UpperBodyFeatures,
+    WholeBodyFeatures,
+    motion_features,
+)
 from s2glib.papers.amuse.motion_prior import (
     MotionPosterior,
     MotionPrior,
@@ -82,6 +87,8 @@ __all__ = [
     "SpeechOpinion",
     "StressConfig",
     "StressListener",
+    "UpperBodyFeatures",
+    "WholeBodyFeatures",
     "agreeing",
     "blend",
     "cut",
@@ -89,6 +96,7 @@ __all__ = [
     "heard_rhythm",
     "latent_reliance",
     "mend_joins",
+    "motion_features",
     "patch_grid",
     "prior_losses",
     "quadruple_losses",

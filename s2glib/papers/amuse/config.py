@@ -32,13 +32,18 @@ class SpeechConfig:
     content_tokens: int = 1  # time steps of the content latent; more than one is ours
     dropout: float = 0.1  # authors' code
 
+    @property
+    def window(self) -> dict[str, int]:
+        """What `speech_window` is to cut."""
+        return {"n_mels": self.n_mels, "frames": self.frames, "pool": self.pool}
+
 
 @dataclass(frozen=True)
 class PriorConfig:
     """The motion prior: a clip of gestures to a few latent tokens and back."""
 
     frames: int = 300  # 10 s at 30 fps; authors' code
-    features: int = 333  # 55 joints x 6D + translation; authors' code
+    features: int = 333  # 55 joints x 6D + translation; authors' code. 90 is ours
     tokens: int = 1  # [AM C.1]
     token_dim: int = 128  # authors' code
     backbone: Literal["transformer", "temporal"] = "transformer"  # [AM C.1]; "temporal" is ours
@@ -75,7 +80,7 @@ class ExtractorConfig:
     """The motion extractor M that the metrics look through."""
 
     frames: int = 300  # 10 s at 30 fps; authors' code
-    features: int = 333  # authors' code
+    features: int = 333  # authors' code; 90 is ours
     patch: int = 1  # frames per token; more than one is ours
     width: int = 256  # authors' code
     layers: int = 8  # authors' code

@@ -37,7 +37,7 @@ def speech_input(
     samples: Float[np.ndarray, " n"], config: SpeechConfig
 ) -> Float[Tensor, "frames mels"]:
     """One window of speech at 16 kHz, cut or padded with silence, standardised."""
-    window = speech_window(samples, n_mels=config.n_mels, frames=config.frames, pool=config.pool)
+    window = speech_window(samples, **config.window)
     return torch.from_numpy(standardize(window, config.mean, config.std))
 
 

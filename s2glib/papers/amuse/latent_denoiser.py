@@ -21,8 +21,8 @@ _TIME_WAVES = 256  # authors' code
 class SpeechCondition(NamedTuple):
     """What the speech asks of a motion window.
 
-    `tracks` are values per frame; `dropped` marks which of c, e and s the network must do
-    without (it then sees a learned stand-in).
+    `tracks` are values per frame, unread by a network without `track_features`; `dropped` marks
+    which of c, e and s the network must do without (it then sees a learned stand-in).
     """
 
     latents: SpeechLatents

@@ -18,7 +18,7 @@ from torch.nn import functional as F
 
 from s2glib.layers import TransformerLayer
 from s2glib.papers.amuse.config import ExtractorConfig
-from s2glib.papers.amuse.motion_features import SEEN_JOINTS, MotionFeatures
+from s2glib.papers.amuse.motion_features import SEEN_JOINTS, MotionFeatures, motion_features
 
 
 class Judgement(NamedTuple):
@@ -40,7 +40,7 @@ class MotionExtractor(nn.Module):
     def __init__(self, config: ExtractorConfig):
         super().__init__()
         self.config = config
-        self.features = MotionFeatures()
+        self.features: MotionFeatures = motion_features(config.features)
         width, tokens = config.width, config.frames // config.patch
         self.embed = nn.Linear(config.patch * config.features, width)
         self.cls = nn.Parameter(0.02 * torch.randn(1, 1, width))
@@ -62,7 +62,7 @@ class MotionExtractor(nn.Module):
         return self.norm(h)
 
     def forward(self, motion: Float[Tensor, "batch frames features"]) -> Judgement:
-        """Judge clips of standardised features."""
+        """Judge clips of features."""
         cls = self._tokens(motion)[:, 0]
         return Judgement(self.classify(cls), cls)
 
@@ -84,7 +84,7 @@ class PositionJudge(nn.Module):
     def __init__(self, config: ExtractorConfig):
         super().__init__()
         self.config = config
-        self.features = MotionFeatures()
+        self.features: MotionFeatures = motion_features(config.features)
         width = config.width
         channels = (6 * len(SEEN_JOINTS), width, width, width)
         layers: list[nn.Module] = []
@@ -94,7 +94,7 @@ class PositionJudge(nn.Module):
         self.classify = nn.Sequential(nn.Dropout(0.2), nn.Linear(2 * width, config.emotions))
 
     def forward(self, motion: Float[Tensor, "batch frames features"]) -> Judgement:
-        """Judge clips of standardised features by where the joints are."""
+        """Judge clips of features by where the joints are."""
         places = self.features.positions(motion).flatten(-2)  # (batch, frames, 27)
         speeds = F.pad(places.diff(dim=1), (0, 0, 1, 0))
         h = self.layers(torch.cat([3 * places, 30 * speeds], dim=-1).mT)

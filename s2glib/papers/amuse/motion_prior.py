@@ -12,7 +12,7 @@ from torch import Tensor, nn
 
 from s2glib.losses import kl_to_standard_normal
 from s2glib.papers.amuse.config import PriorConfig
-from s2glib.papers.amuse.motion_features import MotionFeatures
+from s2glib.papers.amuse.motion_features import MotionFeatures, motion_features
 from s2glib.papers.amuse.temporal_prior import TemporalMotionDecoder, TemporalMotionEncoder
 from s2glib.papers.amuse.transformer_prior import TransformerMotionDecoder, TransformerMotionEncoder
 
@@ -38,7 +38,7 @@ class MotionPrior(nn.Module):
     def __init__(self, config: PriorConfig):
         super().__init__()
         self.config = config
-        self.features = MotionFeatures()
+        self.features: MotionFeatures = motion_features(config.features)
         if config.backbone == "transformer":
             self.encoder: nn.Module = TransformerMotionEncoder(config)
             self.decoder: nn.Module = TransformerMotionDecoder(config)

@@ -6,6 +6,7 @@ Notebook: notebooks/14_emotion_swap_studio.ipynb
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from numbers import Integral
 from pathlib import Path
 
@@ -13,12 +14,14 @@ import numpy as np
 import torch
 from jaxtyping import Float
 from torch import Tensor
+from torch.nn import functional as F
 
 from s2glib.audio import Waveform, resample
 from s2glib.body import Motion
-from s2glib.body.skeleton import PELVIS_HEIGHT, joint
+from s2glib.body.skeleton import joint
 from s2glib.checkpoint import load_checkpoint
 from s2glib.diffusion import NoiseSchedule, from_noise_prediction, guided, sample_ddim, timesteps
+from s2glib.layers import in_batches
 from s2glib.papers.amuse.disentangler import SpeechDisentangler, SpeechLatents
 from s2glib.papers.amuse.front_end import (
     MOTION_FPS,
@@ -30,7 +33,7 @@ from s2glib.papers.amuse.front_end import (
 from s2glib.papers.amuse.latent_denoiser import LatentDenoiser, SpeechCondition
 from s2glib.papers.amuse.motion_prior import MotionPrior
 from s2glib.papers.amuse.speech_face import SpeechFace
-from s2glib.papers.amuse.stitching import agreeing, blend, mend_joins, window_starts
+from s2glib.papers.amuse.stitching import AT_ONCE, agreeing, blend, mend_joins, window_starts
 from s2glib.papers.amuse.stress_listener import StressListener, heard_rhythm
 
 SAMPLE_RATE = 16000
@@ -70,6 +73,10 @@ class Heard:
 
 class Amuse:
     """The five trained networks and how they work together.
+
+    However long the speech, a network sees `AT_ONCE` windows at a time. What grows is what cannot
+    do otherwise: a minute of speech holds 3.8 MB of samples and 0.8 of filterbank, 1.9 of motion,
+    and while it is sampled 2.5 of features that have to agree from the first window to the last.
 
     Args:
         speech: the disentangler.
@@ -134,23 +141,42 @@ class Amuse:
         seconds = config.frames * config.pool / 100
         ends = len(samples) / SAMPLE_RATE
         lead = (seconds - window / MOTION_FPS) / 2
-        begins = [max(0.0, min(start / MOTION_FPS - lead, ends - seconds)) for start in starts]
-        heard = torch.stack(
-            [speech_input(samples[int(begin * SAMPLE_RATE) :], config) for begin in begins]
+        begins = torch.tensor(
+            [max(0.0, min(start / MOTION_FPS - lead, ends - seconds)) for start in starts],
+            dtype=torch.float64,
         )
-        latents = self.speech.encode(heard)
-        latents = latents._replace(style=latents.style.mean(0).expand_as(latents.style))
-        offsets = torch.tensor(starts) / MOTION_FPS - torch.tensor(begins)
+        offsets = torch.tensor(starts) / MOTION_FPS - begins.float()
         moments = offsets[:, None] + frame_moments(window)
-        tracks = time_tracks(heard_rhythm(heard, self.stress), latents.content, moments, config)
+        latents, tracks, _ = in_batches(
+            partial(self._listen, samples), begins, moments, size=AT_ONCE
+        )
+        latents = latents._replace(style=latents.style.mean(0).expand_as(latents.style))
         whole = speech_input(samples, replace(config, frames=_frames_of(ends, config.pool)))
         return Heard(latents, tracks, whole, frames)
+
+    def _listen(
+        self,
+        samples: Float[np.ndarray, " samples"],
+        begins: Float[Tensor, " n"],
+        moments: Float[Tensor, "n frames"],
+    ) -> SpeechCondition:
+        """What a few motion windows hear in the speech windows that begin at these seconds."""
+        config = self.speech.config
+        heard = torch.stack(
+            [speech_input(samples[int(begin * SAMPLE_RATE) :], config) for begin in begins.tolist()]
+        )
+        latents = self.speech.encode(heard)
+        tracks = time_tracks(heard_rhythm(heard, self.stress), latents.content, moments, config)
+        return SpeechCondition(latents, tracks, torch.zeros(len(heard), 3, dtype=torch.bool))
 
     @torch.no_grad()
     def sample_windows(
         self, condition: SpeechCondition, *, generator: torch.Generator, agree: bool = False
     ) -> Float[Tensor, "n frames features"]:
         """Sample one window of motion features for each row of a condition.
+
+        The networks see `AT_ONCE` rows at a time, but the rows take every step of the denoising
+        together, so that agreement passes from window to window over any length.
 
         Args:
             condition: what the speech asks of each window.
@@ -160,9 +186,15 @@ class Amuse:
         network: Callable[..., Tensor] = self.denoiser
         if self.denoiser.config.prediction == "noise":
             network = from_noise_prediction(network, self.schedule)
-        denoise = guided(
-            network, condition, condition.without_emotion(), float(self.sampling.guidance)
-        )
+        scale = float(self.sampling.guidance)
+
+        def denoise_rows(xt: Tensor, wish: SpeechCondition, t: int) -> Tensor:
+            return guided(network, wish, wish.without_emotion(), scale)(xt, t)
+
+        def denoise_all(xt: Tensor, t: int) -> Tensor:
+            return in_batches(partial(denoise_rows, t=t), xt, condition, size=AT_ONCE)
+
+        denoise: Callable[[Tensor, int], Tensor] = denoise_all
         if agree:
             denoise = agreeing(denoise, self.prior, self.denoiser, self.sampling.overlap)
         config = self.denoiser.config
@@ -170,7 +202,8 @@ class Amuse:
         noise = torch.randn(count, config.tokens, config.token_dim, generator=generator)
         levels = timesteps(config.levels, self.sampling.steps, "linspace")
         *_, x0 = sample_ddim(denoise, noise, self.schedule, timesteps=levels, generator=generator)
-        windows = self.prior.decode(self.denoiser.restore(self.sampling.spread * x0))
+        latents = self.denoiser.restore(self.sampling.spread * x0)
+        windows = in_batches(self.prior.decode, latents, size=AT_ONCE)
         return mend_joins(windows, windows.shape[1] // (config.tokens - config.global_tokens))
 
     @torch.no_grad()
@@ -180,20 +213,20 @@ class Amuse:
         condition = SpeechCondition(heard.latents, heard.tracks, nothing)
         windows = self.sample_windows(condition, generator=generator, agree=True)
         track = blend(windows, self.sampling.overlap)[: heard.frames]
-        return self._embody(self.prior.features.to_poses(track), heard)
+        return self._embody(track, heard)
 
-    def _embody(self, poses: Float[Tensor, "frames 55 3"], heard: Heard) -> Motion:
+    def _embody(self, track: Float[Tensor, "frames features"], heard: Heard) -> Motion:
         """Stand the body up and give it a face that speaks."""
+        features = self.prior.features
+        poses, trans = in_batches(features.to_poses, track, size=1024), features.pelvis(track)
         emotion = self.speech.emotion_head(heard.latents.emotion.mean(0)).softmax(-1)
         jaw, curves = self.face(heard.filterbank, emotion)
         rate = 100 / self.speech.config.pool
         places = frame_moments(len(poses)) * rate - 0.5
         face = sample_track(torch.cat([jaw[:, None], curves], dim=1)[None], places[None])[0]
-        poses[:, joint("jaw"), 0] = face[:, 0]
+        poses[:, joint("jaw")] = F.pad(face[:, :1], (0, 2))
         expression = poses.new_zeros(len(poses), 100)
         expression[:, : curves.shape[1]] = face[:, 1:]
-        trans = poses.new_zeros(len(poses), 3)
-        trans[:, 1] = PELVIS_HEIGHT
         return Motion(poses, trans, expression, MOTION_FPS)
 
     def generate(self, waveform: Waveform, *, generator: torch.Generator) -> Motion:

@@ -14,6 +14,7 @@ from jaxtyping import Float
 from torch import Tensor, nn
 from torch.nn import functional as F
 
+BLOCK = 2048  # frames whose mouth is found together: 41 s
 MOUTH = ("jaw", "lip_round", "lip_wide", "lip_press")
 
 
@@ -42,15 +43,15 @@ class SpeechFace(nn.Module):
         self.register_buffer("mouth_weights", torch.zeros(inputs, len(MOUTH)))
         self.register_buffer("emotion_faces", torch.zeros(config.emotions, config.curves))
 
-    def _inputs(self, filterbank: Float[Tensor, "*b frames mels"]) -> Tensor:
+    def _windows(self, filterbank: Float[Tensor, "*b frames mels"]) -> Tensor:
+        """Each frame with its neighbours, (*b, frames, mels, context); the ends are held."""
         c = self.config.context
         padded = torch.cat(
             [filterbank[..., :1, :].expand(*filterbank.shape[:-2], c, -1), filterbank]
             + [filterbank[..., -1:, :].expand(*filterbank.shape[:-2], c, -1)],
             dim=-2,
         )
-        windows = padded.unfold(-2, 2 * c + 1, 1).flatten(-2)  # (*b, frames, mels x context)
-        return F.pad(windows, (0, 1), value=1.0)
+        return padded.unfold(-2, 2 * c + 1, 1)
 
     def fit_mouth(
         self,
@@ -60,14 +61,15 @@ class SpeechFace(nn.Module):
         ridge: float = 1.0,
     ) -> None:
         """Least squares from sound to jaw opening and lips, each in [0, 1]."""
-        X = self._inputs(filterbank).flatten(0, 1).double()
+        X = _inputs(self._windows(filterbank)).flatten(0, 1).double()
         Y = mouth.flatten(0, 1).double()
         gram = X.T @ X + ridge * torch.eye(X.shape[1], dtype=X.dtype)
         self.mouth_weights.copy_(torch.linalg.solve(gram, X.T @ Y))
 
     def mouth(self, filterbank: Float[Tensor, "*b frames mels"]) -> Float[Tensor, "*b frames 4"]:
         """Jaw opening and lips in [0, 1], at the filterbank's rate."""
-        return (self._inputs(filterbank) @ self.mouth_weights).clamp(0, 1)
+        blocks = self._windows(filterbank).split(BLOCK, dim=-3)
+        return torch.cat([_inputs(block) @ self.mouth_weights for block in blocks], -2).clamp(0, 1)
 
     def forward(
         self,
@@ -82,3 +84,8 @@ class SpeechFace(nn.Module):
         curves = (emotion @ self.emotion_faces).expand(len(mouth), -1).clone()
         curves[:, -3:] += 0.8 * mouth[:, 1:]
         return 0.02 + self.config.widest_jaw * mouth[:, 0], curves.clamp(0, 1)
+
+
+def _inputs(windows: Tensor) -> Tensor:
+    """What the linear map takes: the numbers of each window, and a one."""
+    return F.pad(windows.flatten(-2), (0, 1), value=1.0)

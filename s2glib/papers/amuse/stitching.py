@@ -2,6 +2,7 @@
 
 After every denoising step the windows are decoded, blended where they overlap, cut apart and
 encoded again. So neighbours settle on one motion before it is sharp, and no seam is left to mend.
+All windows of a recording take a step together, but a network sees only a few at a time.
 
 Paper:    AM generates single windows; joint denoising after MultiDiffusion: ours
 Notebook: notebooks/15_long_sequences.ipynb
@@ -13,8 +14,11 @@ import torch
 from jaxtyping import Float
 from torch import Tensor
 
+from s2glib.layers import in_batches
 from s2glib.papers.amuse.latent_denoiser import LatentDenoiser
 from s2glib.papers.amuse.motion_prior import MotionPrior
+
+AT_ONCE = 64  # windows that a network sees together: three minutes of speech
 
 
 def window_starts(frames: int, window: int, overlap: int) -> list[int]:
@@ -76,7 +80,8 @@ def agreeing(
         x0 = denoise(xt, t)
         if len(x0) == 1:
             return x0
-        track = blend(prior.decode(denoiser.restore(x0)), overlap)
-        return denoiser.standardize(prior.encode(cut(track, frames, overlap)).mean)
+        track = blend(in_batches(prior.decode, denoiser.restore(x0), size=AT_ONCE), overlap)
+        posterior = in_batches(prior.encode, cut(track, frames, overlap), size=AT_ONCE)
+        return denoiser.standardize(posterior.mean)
 
     return denoise_together

@@ -7,7 +7,20 @@ import torch
 from s2glib.audio import Waveform
 from s2glib.body import PELVIS_HEIGHT, Motion, joint
 from s2glib.checkpoint import save_checkpoint
-from s2glib.papers.amuse import Amuse, FaceConfig, LatentDenoiser, Sampling, SpeechFace
+from s2glib.diffusion import from_noise_prediction, timesteps
+from s2glib.papers.amuse import (
+    PAPER_DENOISER,
+    PAPER_PRIOR,
+    PAPER_SPEECH,
+    Amuse,
+    FaceConfig,
+    LatentDenoiser,
+    MotionPrior,
+    Sampling,
+    SpeechCondition,
+    SpeechDisentangler,
+    SpeechFace,
+)
 from s2glib.papers.amuse.motion_features import HANDS, UPPER_BODY
 from s2glib.papers.amuse.stress_listener import StressConfig, StressListener
 
@@ -154,3 +167,62 @@ def test_an_emotion_that_is_no_number_is_refused_with_a_way_out(amuse, without_t
 def test_bare_samples_are_refused_with_a_way_out(amuse, without_type_hook):
     with pytest.raises(TypeError, match=r"Waveform, got ndarray.*audio\.load"):
         amuse.generate(noise(1.0).samples, generator=chance())
+
+
+@pytest.fixture
+def paper():
+    """The paper's preset, narrow and shallow: 300 frames, 333 numbers, one token, noise."""
+    thin = {"layers": 3, "heads": 2, "hidden": 16}
+    speech = replace(
+        PAPER_SPEECH, n_mels=16, width=8, layers=1, heads=2, decoder_width=8,
+    )  # fmt: skip
+    return Amuse(
+        SpeechDisentangler(speech),
+        MotionPrior(replace(PAPER_PRIOR, token_dim=16, **thin)),
+        LatentDenoiser(replace(PAPER_DENOISER, token_dim=16, width=16, **thin)),
+        StressListener(StressConfig(n_mels=16)),
+        SpeechFace(FaceConfig(n_mels=16)),
+        Sampling(steps=3),
+    )
+
+
+@pytest.mark.parametrize(("seconds", "windows"), [(2.0, 1), (10.0, 1), (12.0, 2)])
+def test_the_papers_preset_gestures_with_its_whole_body(paper, seconds, windows):
+    heard = paper.hear(noise(seconds))
+    assert len(heard.latents.content) == windows
+    motion = paper.gesture(heard, generator=chance())  # whose numbers are finite
+    assert motion.frames == seconds * 30
+    assert (motion.poses.std(0) > 0).sum() > 150  # of 165; the jaw speaks with one axis
+    assert (motion.trans.std(0) > 0).all()
+
+
+def test_the_papers_single_token_has_no_joins_to_mend(paper):
+    heard = paper.hear(noise(2.0))
+    nothing = torch.zeros(1, 3, dtype=torch.bool)
+    condition = SpeechCondition(heard.latents, heard.tracks, nothing)
+    paper.sampling = replace(paper.sampling, steps=1, guidance=1.0, spread=1.0)
+    (window,) = paper.sample_windows(condition, generator=chance())
+    noisy = torch.randn(1, 1, 16, generator=chance())
+    level = timesteps(1000, 1, "linspace")[0]
+    denoise = from_noise_prediction(paper.denoiser, paper.schedule)
+    with torch.no_grad():
+        expected = paper.prior.decode(denoise(noisy, level, condition))
+    torch.testing.assert_close(window[None], expected)
+
+
+def test_the_papers_denoiser_hears_content_emotion_and_style_alone(paper):
+    heard = paper.hear(noise(2.0))
+    silent = replace(heard, tracks=torch.zeros_like(heard.tracks))
+    first, second = (paper.gesture(h, generator=chance()).poses for h in (heard, silent))
+    assert torch.equal(first, second)
+
+
+@pytest.mark.parametrize("at_once", [1, 5, 11])
+def test_how_many_windows_a_network_sees_together_changes_nothing(amuse, monkeypatch, at_once):
+    speech = noise(12.0)  # 12 windows
+    whole = amuse.generate(speech, generator=chance())
+    for module in ("pipeline", "stitching"):
+        monkeypatch.setattr(f"s2glib.papers.amuse.{module}.AT_ONCE", at_once)
+    pieces = amuse.generate(speech, generator=chance())
+    torch.testing.assert_close(pieces.poses, whole.poses, atol=1e-3, rtol=0)
+    torch.testing.assert_close(pieces.expression, whole.expression, atol=1e-5, rtol=0)

@@ -77,3 +77,10 @@ def test_a_checkpoint_brings_back_the_face(face, tmp_path):
     save_checkpoint(tmp_path / "face.safetensors", face, face.config)
     loaded = load_checkpoint(tmp_path / "face.safetensors", SpeechFace)
     assert torch.equal(loaded.emotion_faces, face.emotion_faces)
+
+
+def test_a_long_filterbank_is_mapped_block_by_block(face, heard, monkeypatch):
+    face.mouth_weights.normal_()
+    whole = face.mouth(heard)
+    monkeypatch.setattr("s2glib.papers.amuse.speech_face.BLOCK", 7)
+    torch.testing.assert_close(face.mouth(heard), whole)

@@ -84,3 +84,14 @@ def test_joins_are_smoothed_and_nothing_else():
 def test_a_straight_line_needs_no_mending():
     line = torch.arange(12.0)[None, :, None].expand(1, 12, 2)
     torch.testing.assert_close(mend_joins(line, 4), line)
+
+
+@pytest.mark.parametrize("at_once", [1, 2, 4])
+def test_windows_agree_across_the_borders_of_what_a_network_sees(
+    prior, denoiser, monkeypatch, at_once
+):
+    x0 = torch.randn(5, 5, 6)
+    together = agreeing(lambda xt, t: xt, prior, denoiser, overlap=10)
+    whole = together(x0, 0)
+    monkeypatch.setattr("s2glib.papers.amuse.stitching.AT_ONCE", at_once)
+    torch.testing.assert_close(together(x0, 0), whole, rtol=1e-4, atol=1e-4)
