@@ -7,6 +7,7 @@ Notebook: notebooks/01_motion_and_sound.ipynb
 import os
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from functools import partial
 from itertools import groupby
 from multiprocessing import get_context
 from pathlib import Path
@@ -115,9 +116,21 @@ class MotionSet(NamedTuple):
     fps: int
 
 
-def speech_set(requests: Sequence[Request], *, processes: int | None = None) -> SpeechSet:
-    """Speech windows of the requested clips, rendered where the cache lacks them."""
-    found = _gather("speech", requests, _render_windows, processes)
+def speech_set(
+    requests: Sequence[Request],
+    window: dict[str, int] = WINDOW,
+    *,
+    processes: int | None = None,
+) -> SpeechSet:
+    """Speech windows of the requested clips, rendered where the cache lacks them.
+
+    Args:
+        requests: which clips.
+        window: what `speech_window` is to cut: `n_mels`, `frames`, `pool`.
+        processes: that render; as many as there are processors unless said.
+    """
+    size = "" if window == WINDOW else "-{frames}x{n_mels}x{pool}".format(**window)
+    found = _gather(f"speech{size}", requests, partial(_render_windows, window), processes)
     return SpeechSet(
         np.stack([entry["window"] for entry in found]),
         np.array([float(entry["seconds"]) for entry in found]),
@@ -153,11 +166,11 @@ def render_split(name: str) -> int:
     return len(cells)
 
 
-def _render_windows(request: Request) -> dict[str, np.ndarray]:
+def _render_windows(window: dict[str, int], request: Request) -> dict[str, np.ndarray]:
     clock = timing_of(*request)
     samples = render_speech(request.cell, clock, intensity(request.cell))
-    window = speech_window(samples, **WINDOW).astype(np.float16)
-    return {"window": window, "seconds": np.array(clock.duration)}
+    heard = speech_window(samples, **window).astype(np.float16)
+    return {"window": heard, "seconds": np.array(clock.duration)}
 
 
 def _render_onsets(request: Request) -> dict[str, np.ndarray]:

@@ -105,7 +105,7 @@ def draw_factor_swap(
 def factor_table(name: str, config: SpeechConfig) -> FactorTable:
     """The clips of a split as standardised windows."""
     cells = split(name)
-    speech = speech_set([Request(cell) for cell in cells])
+    speech = speech_set([Request(cell) for cell in cells], config.window)
     windows = torch.from_numpy(speech.windows)
     return FactorTable(cells, ((windows - config.mean) / (2 * config.std)).half())
 

@@ -68,7 +68,7 @@ def speech_clips(requests: Sequence[Request], config: SpeechConfig) -> SpeechCli
     Raises:
         ImportError: without the extra `corpus`, where the cache lacks a clip.
     """
-    found = speech_set(requests)
+    found = speech_set(requests, config.window)
     windows = standardized(found.windows, config)
     return SpeechClips([request.cell for request in requests], windows, found.seconds)
 

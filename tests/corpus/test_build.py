@@ -101,6 +101,17 @@ def test_speech_windows_end_in_the_constant_noise_floor(cache):
         assert window[: spoken - 10].astype(np.float32).std() > 1
 
 
+def test_windows_of_another_size_are_cached_apart(cache):
+    usual = speech_set([Request(CELL)]).windows
+    folder = cache / f"speech-v{build.VERSION}"
+    before = (folder / "s01-voice_01.npz").read_bytes()
+    papers = speech_set([Request(CELL)], {"n_mels": 128, "frames": 1024, "pool": 1}).windows
+    assert papers.shape == (1, 1024, 128)
+    assert (cache / f"speech-1024x128x1-v{build.VERSION}" / "s01-voice_01.npz").exists()
+    assert (folder / "s01-voice_01.npz").read_bytes() == before
+    assert np.array_equal(speech_set([Request(CELL)]).windows, usual)
+
+
 def test_several_processes_render_what_one_would(tmp_path, monkeypatch):
     monkeypatch.setenv("S2G_CACHE", str(tmp_path))
     found = motion_set([CELL], processes=1)

@@ -10,12 +10,13 @@ import torch
 from s2glib.audio import Waveform
 from s2glib.checkpoint import load_checkpoint, save_checkpoint
 from s2glib.corpus import EMOTIONS, SPEAKERS, Cell
-from s2glib.corpus.build import MotionSet
+from s2glib.corpus.build import WINDOW, MotionSet, SpeechSet
 from s2glib.papers.amuse import (
     PAPER_DENOISER,
     PAPER_EXTRACTOR,
     PAPER_PRIOR,
     PAPER_SPEECH,
+    TEACHING_SPEECH,
     Amuse,
     FaceConfig,
     MotionExtractor,
@@ -147,6 +148,23 @@ def test_the_disentangler_and_the_listener_take_ten_seconds_unpooled(tmp_path):
     amuse_stress.train_stress(of_preset("amuse-gestures", tmp_path, steps=1))
     assert record(tmp_path, "amuse-disentangler")["config"]["frames"] == 1024
     assert -1 <= record(tmp_path, "amuse-stress")["figures"]["correlation with true stress"] <= 1
+
+
+@pytest.mark.parametrize("config", [PAPER_SPEECH, TEACHING_SPEECH], ids=["paper", "teaching"])
+def test_a_table_of_clips_has_the_window_of_its_model(monkeypatch, config):
+    def speech_set(requests, window):
+        shape = (len(requests), window["frames"], window["n_mels"])
+        return SpeechSet(np.full(shape, config.mean, np.float16), np.ones(len(requests)))
+
+    monkeypatch.setattr(amuse_disentangler, "split", lambda name: CELLS[:2])
+    monkeypatch.setattr(amuse_disentangler, "speech_set", speech_set)
+    windows = amuse_disentangler.factor_table("train", config).windows
+    assert windows.shape == (2, config.frames, config.n_mels)
+    assert windows.float().abs().max() < 1e-2
+
+
+def test_the_small_models_window_is_the_one_that_lies_in_the_cache():
+    assert TEACHING_SPEECH.window == WINDOW
 
 
 @pytest.mark.gpu

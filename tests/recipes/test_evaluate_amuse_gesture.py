@@ -164,8 +164,9 @@ def amuse(features):
 def _corpus(monkeypatch):
     rng = np.random.default_rng(0)
 
-    def speech_set(requests):
-        windows = rng.normal(-9, 4, (len(requests), 352, 64)).astype(np.float16)
+    def speech_set(requests, window):
+        shape = (len(requests), window["frames"], window["n_mels"])
+        windows = rng.normal(-9, 4, shape).astype(np.float16)
         return SpeechSet(windows, np.full(len(requests), 5.0))
 
     def onset_set(requests):

@@ -79,7 +79,7 @@ def asked(monkeypatch):
     """The requests that were made of the corpus."""
     requests = []
 
-    def speech_set(wanted):
+    def speech_set(wanted, window):
         requests.extend(wanted)
         windows = np.stack([show(request.cell) for request in wanted])
         return SpeechSet(windows, np.full(len(wanted), 0.1))
