@@ -49,7 +49,7 @@ DENOISER = Course(
     warm_up=100,
     average=0.998,
 )
-FURTHER_TAKES = range(10, 14)  # of the motion takes; more cost rendering time only
+FURTHER_TAKES = range(10, 16)  # of the motion takes; more cost rendering time only
 KL_RAMP = 300  # steps
 CONDITION_DROPOUT = 0.1
 DONATED = 0.5  # share of conditions whose content, or emotion, comes from another clip
