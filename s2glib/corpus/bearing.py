@@ -127,14 +127,14 @@ MANNERS = {
 }
 
 # The dials that decide how well the emotion of a true gesture can be recognised.
-POSTURE_NOISE = 0.106  # radians or arm lengths, standard deviation per clip
-AMPLITUDE_NOISE, TEMPO_NOISE = 0.285, 0.185  # standard deviation of the logarithm
-LEAK = 0.25  # at most this share of another emotion shows
+POSTURE_NOISE = 0.120  # radians or arm lengths, standard deviation per clip
+AMPLITUDE_NOISE, TEMPO_NOISE = 0.31, 0.20  # standard deviation of the logarithm
+LEAK = 0.30  # at most this share of another emotion shows
 
 
 def body_strength(intensity: float) -> float:
     """Share of an emotion's bearing that a clip of that intensity shows."""
-    return 0.03 + 0.92 * intensity
+    return 0.9 * intensity
 
 
 class Performance(NamedTuple):

@@ -28,7 +28,7 @@ from s2glib.data.samples import Clip, Interval
 from s2glib.data.windows import speech_window
 from s2glib.folders import cache_folder
 
-VERSION = 1  # of the generator: a new number leaves old caches alone
+VERSION = 2  # of the generator: a new number leaves old caches alone
 WINDOW = {"n_mels": 64, "frames": 352, "pool": 2}  # of cached speech
 
 

@@ -17,7 +17,7 @@ from s2glib.corpus.script import EMOTIONS, Cell, speech_take, split
 from s2glib.papers.amuse.disentangler import SpeechLatents
 from s2glib.papers.amuse.motion_features import MotionFeatures, motion_features
 
-FURTHER_TAKES = range(10, 14)  # of the motion takes; more cost rendering time only
+FURTHER_TAKES = range(10, 16)  # of the motion takes; more cost rendering time only
 
 
 class MotionWindows:
