@@ -6,6 +6,7 @@ from s2glib.widgets.page import write_html
 from s2glib.widgets.player import Player
 from s2glib.widgets.shipped_swap import corpus_swap
 from s2glib.widgets.toy_arm import ToyArm
+from s2glib.widgets.tps_pad import TPSPad
 
 __all__ = [
     "Demo",
@@ -13,6 +14,7 @@ __all__ = [
     "Panel",
     "Player",
     "Slider",
+    "TPSPad",
     "ToyArm",
     "corpus_swap",
     "write_html",
