@@ -1,8 +1,8 @@
 """espeak-ng through ctypes: one sentence in, samples with word and phoneme times out.
 
 The library's noise generator keeps state between calls, so every synthesis runs in a process of
-its own: the same words give the same samples. Some breathy variants (Alicia, f2, f3, f5, victor) seed their
-noise by the clock all the same; the script has none of them.
+its own: the same words give the same samples. Some breathy variants (Alicia, f2, f3, f5, victor)
+seed their noise by the clock all the same; the script has none of them.
 
 Paper:    AM F (the same sentences spoken by every subject)
 Notebook: notebooks/01_motion_and_sound.ipynb

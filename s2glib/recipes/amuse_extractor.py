@@ -28,7 +28,7 @@ from s2glib.recipes.speech_data import FactorTable
 from s2glib.recipes.stage import Stage
 
 EXTRACTOR = Course(steps=3000, batch=48, learning_rate=1e-3, weight_decay=0.1, warm_up=100)
-SPEECH_JUDGE = Course(steps=3000, batch=48, learning_rate=2e-3, weight_decay=0.02, warm_up=30)
+SPEECH_JUDGE = Course(steps=5000, batch=48, learning_rate=2e-3, weight_decay=0.02, warm_up=30)
 INPUT_NOISE = 0.1
 
 

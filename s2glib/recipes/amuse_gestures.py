@@ -39,7 +39,7 @@ from s2glib.recipes.speech_data import FactorTable
 from s2glib.recipes.stage import Stage
 
 DENOISER = Course(
-    steps=9000,
+    steps=24000,
     batch=64,
     learning_rate=1e-3,
     betas=(0.9, 0.99),
