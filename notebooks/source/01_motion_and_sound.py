@@ -784,4 +784,5 @@ ask("01-q5")
 # **Limits.** One synthetic corpus, with fewer habits than any person. Our mannequin has one shape; SMPL-X has
 # many, and a licence of its own (notebook 21).
 #
-# **Back:** [00 Start here](00_start_here.ipynb). **Next:** notebook 02 bends a picture.
+# **Back:** [00 Start here](00_start_here.ipynb). **Next:** [02 Thin-plate splines](02_thin_plate_splines.ipynb), which bend a
+# picture.

@@ -45,7 +45,7 @@ QUESTIONS = (
                 "and one of the three has changed.",
             ),
             Option(
-                "The hands stay lower and move less.",
+                "In posture and in the hands; it lasts as long.",
                 "The latent of the emotion guides every step from the noise to the motion, "
                 "so the body changes. The sound stays, and with it the length.",
                 right=True,
