@@ -11,6 +11,8 @@ STAGES = {
     "amuse-disentangler": "s2glib.recipes.amuse_disentangler",
     "amuse-gestures": "s2glib.recipes.amuse_gestures",
     "amuse-extractor": "s2glib.recipes.amuse_extractor",
+    "mddiffusion-decoupling": "s2glib.recipes.mddiffusion_decoupling",
+    "mddiffusion-refinement": "s2glib.recipes.mddiffusion_refinement",
 }
 
 

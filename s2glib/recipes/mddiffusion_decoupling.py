@@ -1,0 +1,164 @@
+"""Train the motion decoupler on pairs of frames of one clip, without any labels.
+
+Paper:    MDD B.1, B.5
+Notebook: notebooks/03_motion_decoupling.ipynb
+"""
+
+from dataclasses import dataclass, field
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+import torch
+from jaxtyping import Float
+from torch import Tensor, nn
+
+from s2glib.folders import cache_folder
+from s2glib.layers import PyramidFeatures, load_public, vgg19_features
+from s2glib.papers.mddiffusion import DECOUPLING_PRESETS, MotionDecoupler, decoupling_losses
+from s2glib.recipes.fit import Chance, Course
+from s2glib.recipes.stage import Stage
+from s2glib.recipes.video_data import (
+    TEST_CLIPS,
+    TRAIN_CLIPS,
+    VideoFrames,
+    film_cells,
+    films,
+    starting_keypoints,
+)
+from s2glib.recipes.video_scores import moving_errors, wrists_explained
+from s2glib.warping import ThinPlateSpline, random_tps
+
+VGG_19 = "weights/vgg19-dcbb9e9d.pth"  # in the cache folder, if the reader has put it there
+DROPOUT, DROPOUT_RISES, DROPOUT_ENDS = (
+    0.5,
+    0.05,
+    0.175,
+)  # share, shares of the course; authors' code
+
+
+@dataclass(frozen=True)
+class Lesson:
+    """How the decoupler is taught.
+
+    Attributes:
+        course: steps, batch, rates.
+        weights: of the loss terms, see `DecouplingLosses.total`.
+        moving: how much more the moving quarter of a clip's pixels counts (ours).
+        near: frames between source and driving at first, and the share of the course by which it
+            is any number; None: any from the start.
+        start_where_it_moves: begin with keypoints on what moves (ours).
+    """
+
+    course: Course
+    weights: dict[str, float] = field(default_factory=dict)
+    moving: float = 0.0
+    near: tuple[int, float] | None = None
+    start_where_it_moves: bool = False
+
+
+LESSONS = {
+    "paper": Lesson(  # rate and betas [MDD B.5]; batch, decay and the weights of 10: authors' code
+        Course(steps=100_000, batch=20, learning_rate=2e-4, betas=(0.5, 0.999), weight_decay=1e-4),
+        {"perceptual": 10.0, "equivariance": 10.0, "warp": 10.0},
+    ),
+    "teaching": Lesson(
+        Course(steps=12_000, batch=8, learning_rate=1e-3, betas=(0.5, 0.999), weight_decay=1e-4),
+        {"perceptual": 1.0, "warped": 1.0, "equivariance": 0.5, "warp": 0.1},
+        moving=6.0,
+        near=(10, 0.4),
+        start_where_it_moves=True,
+    ),
+}
+LESSONS["teaching-128"] = LESSONS["teaching"]
+
+
+class DecouplingStep(NamedTuple):
+    """A batch, and the random choices that go with it."""
+
+    source: Float[Tensor, "batch 3 size size"]
+    driving: Float[Tensor, "batch 3 size size"]
+    weight: Float[Tensor, "batch 1 size size"]
+    bend: ThinPlateSpline
+    dropout: float
+
+
+class DecouplingObjective(nn.Module):
+    """Holds the model; one call rebuilds driving pictures and weighs what went wrong."""
+
+    def __init__(self, model: MotionDecoupler, features: nn.Module, weights: dict[str, float]):
+        super().__init__()
+        self.model, self.features, self.weights = model, features, weights
+
+    def forward(self, step: DecouplingStep) -> tuple[Tensor, dict[str, Tensor]]:
+        """The weighted loss and its terms."""
+        losses = decoupling_losses(
+            self.model,
+            step.source,
+            step.driving,
+            self.features,
+            step.bend,
+            dropout=step.dropout,
+            weight=step.weight,
+            match_warped="warped" in self.weights,
+        )
+        return losses.total(**self.weights), losses._asdict()
+
+
+def draw(video: VideoFrames, lesson: Lesson, chance: Chance) -> DecouplingStep:
+    """Pairs of frames, first near ones, later any; a bend; and how many warps may drop out."""
+    count, progress = lesson.course.batch, chance.progress
+    furthest = reach(lesson, progress, int(video.lengths.max()))
+    source, driving, clips = video.pairs(count, chance.rng, furthest=furthest)
+    return DecouplingStep(
+        video.images(source),
+        video.images(driving),
+        1 + lesson.moving * video.moving(clips),
+        random_tps(count, generator=chance.generator),
+        warp_dropout(progress),
+    )
+
+
+def reach(lesson: Lesson, progress: float, longest: int) -> int:
+    """How many frames may lie between source and driving: grows in proportion."""
+    if lesson.near is None:
+        return longest
+    first, by = lesson.near
+    return round(first * (longest / first) ** min(1.0, progress / by))
+
+
+def warp_dropout(progress: float) -> float:
+    """TPS dropout: rises, stays, and ends  (authors' code; epochs 10 and 35 of 200)."""
+    if progress >= DROPOUT_ENDS:
+        return 0.0
+    return DROPOUT * min(1.0, progress / DROPOUT_RISES)
+
+
+def picture_features(preset: str) -> nn.Module:
+    """VGG-19 for the paper's preset if its public file is there, else colours and edges."""
+    path = cache_folder() / VGG_19
+    if preset != "paper" or not path.exists():
+        return PyramidFeatures()
+    features = vgg19_features()
+    load_public(features, path)
+    return features
+
+
+def train(stage: Stage) -> None:
+    """The stage `mddiffusion-decoupling`."""
+    torch.manual_seed(stage.seed)
+    lesson, config = LESSONS[stage.preset], DECOUPLING_PRESETS[stage.preset]
+    model = MotionDecoupler(config)
+    video = VideoFrames(films(film_cells("train", TRAIN_CLIPS), config.size))
+    if lesson.start_where_it_moves:
+        rng = np.random.default_rng(stage.seed)
+        model.keypoints.start_at(starting_keypoints(video, config.transforms, config.points, rng))
+    objective = DecouplingObjective(model, picture_features(stage.preset), lesson.weights)
+    course = stage.course(lesson.course)
+    kept, record = stage.train(stage.name, objective, course, partial(draw, video, lesson))
+    model = kept.model.eval()
+    test = VideoFrames(films(film_cells("test", TEST_CLIPS), config.size))
+    shares = moving_errors(model, test).shares()
+    figures = {f"{name} / copied": shares[name] for name in ("made", "warped", "mean")}
+    figures["wrists R2"] = float(wrists_explained(model.keypoints, video, test).mean())
+    stage.publish(stage.name, model, record, figures)

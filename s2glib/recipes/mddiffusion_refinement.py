@@ -1,0 +1,153 @@
+"""Train the refinement network and its discriminator on what the decoupler makes.
+
+Both take their step together. Masks of hands and faces are exact: the renderer knows them.
+
+Paper:    MDD B.3, B.5
+Notebook: notebooks/04_repairing_pixels.ipynb
+"""
+
+from dataclasses import dataclass, field
+from functools import partial
+from typing import NamedTuple
+
+import torch
+from jaxtyping import Float
+from torch import Tensor, nn
+
+from s2glib.checkpoint import load_checkpoint
+from s2glib.folders import cache_folder
+from s2glib.layers import PyramidFeatures, load_public, vgg16_features
+from s2glib.losses import discriminator_loss
+from s2glib.papers.mddiffusion import (
+    REFINEMENT_PRESETS,
+    Masks,
+    MotionDecoupler,
+    PatchDiscriminator,
+    RefinementNet,
+    refinement_losses,
+)
+from s2glib.recipes.fit import Chance, Course
+from s2glib.recipes.stage import Stage
+from s2glib.recipes.video_data import TEST_CLIPS, TRAIN_CLIPS, VideoFrames, film_cells, films
+from s2glib.recipes.video_scores import moving_errors
+
+VGG_16 = "weights/vgg16-397923af.pth"  # in the cache folder, if the reader has put it there
+
+
+@dataclass(frozen=True)
+class Lesson:
+    """How refinement is taught: the course, and weights other than the paper's."""
+
+    course: Course
+    weights: dict[str, float] = field(default_factory=dict)
+
+
+LESSONS = {
+    "paper": Lesson(  # rate and betas [MDD B.5], but one rate for both; batch: authors' code
+        Course(steps=50_000, batch=20, learning_rate=2e-4, betas=(0.5, 0.999), weight_decay=1e-4)
+    ),
+    "teaching": Lesson(
+        Course(steps=6000, batch=8, learning_rate=6e-4, betas=(0.5, 0.999), weight_decay=1e-4),
+        {"perceptual": 1.0},  # of colours and edges, not of VGG-16
+    ),
+}
+LESSONS["teaching-128"] = LESSONS["teaching"]
+
+
+class RefinementStep(NamedTuple):
+    """Frames, and where in the driving ones hands and face are."""
+
+    source: Float[Tensor, "batch 3 size size"]
+    driving: Float[Tensor, "batch 3 size size"]
+    hand: Float[Tensor, "batch 1 size size"]
+    face: Float[Tensor, "batch 1 size size"]
+
+
+class RefinementObjective(nn.Module):
+    """Holds both networks, and the decoupler that stays as it is.
+
+    Args:
+        model: the refinement network.
+        discriminator: its critic.
+        decoupler: trained.
+        features: what pictures are compared by.
+        weights: of the loss terms, see `RefinementLosses.total`.
+    """
+
+    def __init__(
+        self,
+        model: RefinementNet,
+        discriminator: PatchDiscriminator,
+        decoupler: MotionDecoupler,
+        features: nn.Module,
+        weights: dict[str, float],
+    ):
+        super().__init__()
+        self.model, self.discriminator = model, discriminator
+        self.decoupler, self.features = decoupler.requires_grad_(False), features
+        self.weights = weights
+
+    def train(self, mode: bool = True) -> "RefinementObjective":
+        """Training mode for the two networks; the decoupler keeps its statistics."""
+        super().train(mode)
+        self.decoupler.eval()
+        return self
+
+    def forward(self, step: RefinementStep) -> tuple[Tensor, dict[str, Tensor]]:
+        """L_ref for the one, L_D for the other, and the terms."""
+        with torch.no_grad():
+            made = self.decoupler(step.source, step.driving)
+        masks = Masks(made.flow.occlusion_masks[-1], step.hand, step.face)
+        refined = self.model(made.synthesis.image, masks.visible)
+        scores = self._scores_for_the_maker(refined)
+        losses = refinement_losses(refined, step.driving, masks, self.features, scores)
+        judged = self.discriminator(step.driving), self.discriminator(refined.detach())
+        discriminator = discriminator_loss(*judged)
+        loss = losses.total(**self.weights) + discriminator
+        return loss, losses._asdict() | {"discriminator": discriminator}
+
+    def _scores_for_the_maker(self, refined: Tensor) -> Tensor:
+        """The critic's opinion, from which it does not learn itself."""
+        self.discriminator.requires_grad_(False)
+        scores = self.discriminator(refined)
+        self.discriminator.requires_grad_(True)
+        return scores
+
+
+def draw(video: VideoFrames, lesson: Lesson, chance: Chance) -> RefinementStep:
+    """Any two frames of a clip."""
+    longest = int(video.lengths.max())
+    source, driving, _ = video.pairs(lesson.course.batch, chance.rng, furthest=longest)
+    pictures = video.images(source), video.images(driving)
+    return RefinementStep(*pictures, video.hands(driving), video.faces(driving))
+
+
+def picture_features(preset: str) -> nn.Module:
+    """VGG-16 for the paper's preset if its public file is there, else colours and edges."""
+    path = cache_folder() / VGG_16
+    if preset != "paper" or not path.exists():
+        return PyramidFeatures()
+    features = vgg16_features()
+    load_public(features, path)
+    return features
+
+
+def train(stage: Stage) -> None:
+    """The stage `mddiffusion-refinement`; the decoupler's checkpoint must be there."""
+    file = stage.folder / "checkpoints" / "mddiffusion-decoupling.safetensors"
+    decoupler = load_checkpoint(file, MotionDecoupler)
+    torch.manual_seed(stage.seed)
+    lesson, config = LESSONS[stage.preset], REFINEMENT_PRESETS[stage.preset]
+    features = picture_features(stage.preset)
+    objective = RefinementObjective(
+        RefinementNet(config), PatchDiscriminator(config), decoupler, features, lesson.weights
+    )
+    size = decoupler.config.size
+    video = VideoFrames(films(film_cells("train", TRAIN_CLIPS), size))
+    course = stage.course(lesson.course)
+    kept, record = stage.train(stage.name, objective, course, partial(draw, video, lesson))
+    model = kept.model.eval()
+    test = VideoFrames(films(film_cells("test", TEST_CLIPS), size))
+    shares = moving_errors(decoupler, test, model).shares()
+    figures = {f"{name} / copied": shares[name] for name in ("made", "refined")}
+    stage.publish(stage.name, model, record, figures)

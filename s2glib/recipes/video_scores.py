@@ -1,0 +1,86 @@
+"""How good a film is where something moves, and whether keypoints know where the wrists are.
+
+Paper:    - (MDD shows pictures; here truth is known)
+Notebook: notebooks/03_motion_decoupling.ipynb
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import torch
+from jaxtyping import Float
+from torch import nn
+
+from s2glib.losses import masked_l1
+from s2glib.papers.mddiffusion import MotionDecoupler, RefinementNet
+from s2glib.recipes.video_data import WRISTS, VideoFrames
+
+EVERY = 5  # of the frames of a film, one is scored
+RIDGE = 1e-5  # of the number of frames
+
+
+class MovingErrors(NamedTuple):
+    """Mean absolute errors in the moving quarter of each film, one entry a film.
+
+    Attributes:
+        made: of the decoupler's picture.
+        refined: of the refined picture; the decoupler's again where there is no refinement.
+        warped: of the source picture merely bent.
+        copied: of the source picture as it is.
+        mean: of the film's mean picture.
+    """
+
+    made: Float[np.ndarray, " films"]
+    refined: Float[np.ndarray, " films"]
+    warped: Float[np.ndarray, " films"]
+    copied: Float[np.ndarray, " films"]
+    mean: Float[np.ndarray, " films"]
+
+    def shares(self) -> dict[str, float]:
+        """Each error over that of copying the source."""
+        copied = float(self.copied.mean())
+        return {name: float(error.mean()) / copied for name, error in self._asdict().items()}
+
+
+@torch.no_grad()
+def moving_errors(
+    decoupler: MotionDecoupler, video: VideoFrames, refiner: RefinementNet | None = None
+) -> MovingErrors:
+    """Rebuild every film from its first frame, and compare where it moves."""
+    rows = []
+    for clip, (start, length) in enumerate(zip(video.starts, video.lengths, strict=True)):
+        true = video.images(np.arange(start, start + length))
+        source, driving = true[:1].expand(len(true[::EVERY]), -1, -1, -1), true[::EVERY]
+        made = decoupler.eval()(source, driving)
+        image, warped = made.synthesis.image, made.synthesis.warped
+        refined = refiner(image, made.flow.occlusion_masks[-1]) if refiner else image
+        moving = video.moving(np.array([clip])).expand(len(driving), -1, -1, -1)
+        guesses = (image, refined, warped, source, true.mean(dim=0, keepdim=True))
+        rows.append(
+            [float(masked_l1(driving, guess.expand_as(driving), moving)) for guess in guesses]
+        )
+    return MovingErrors(*np.array(rows).T)
+
+
+@torch.no_grad()
+def keypoint_tracks(
+    predictor: nn.Module, video: VideoFrames, every: int = EVERY
+) -> tuple[Float[np.ndarray, "n numbers"], Float[np.ndarray, "n 4"]]:
+    """Predicted keypoints of every few frames, and where the wrists truly are."""
+    rows = torch.arange(0, len(video.frames), every)
+    parts = [predictor.eval()(video.images(some)).flatten(1) for some in rows.split(128)]
+    return torch.cat(parts).numpy(), video.keypoints[rows][:, WRISTS].flatten(1).numpy()
+
+
+def wrists_explained(
+    predictor: nn.Module, train: VideoFrames, test: VideoFrames
+) -> Float[np.ndarray, " 4"]:
+    """R^2 of left x, left y, right x, right y: ridge regression on keypoints, on other films."""
+    x, y = keypoint_tracks(predictor, train)
+    x_new, y_new = keypoint_tracks(predictor, test)
+    mean_x, mean_y = x.mean(axis=0), y.mean(axis=0)
+    x, x_new = x - mean_x, x_new - mean_x
+    penalty = RIDGE * len(x) * np.eye(x.shape[1])
+    slope = np.linalg.solve(x.T @ x + penalty, x.T @ (y - mean_y))
+    error = np.square(y_new - mean_y - x_new @ slope).sum(axis=0)
+    return 1 - error / np.square(y_new - y_new.mean(axis=0)).sum(axis=0)

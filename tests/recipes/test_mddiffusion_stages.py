@@ -1,0 +1,154 @@
+"""Both stages of the video model on small networks and made-up films."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+
+from s2glib.checkpoint import load_checkpoint
+from s2glib.layers import PyramidFeatures
+from s2glib.papers.mddiffusion import (
+    TEACHING_DECOUPLING,
+    TEACHING_REFINEMENT,
+    MotionDecoupler,
+    PatchDiscriminator,
+    RefinementNet,
+)
+from s2glib.recipes import Chance, Course, Stage, Training
+from s2glib.recipes import mddiffusion_decoupling as decoupling
+from s2glib.recipes import mddiffusion_refinement as refinement
+from s2glib.recipes.video_data import Film, VideoFrames
+
+SMALL = replace(
+    TEACHING_DECOUPLING, size=32, transforms=3, keypoint_widths=(4, 4, 6, 8), keypoint_grid=2,
+    flow_size=16, flow_width=4, flow_widest=8, flow_blocks=2, synthesis_width=6, synthesis_blocks=2,
+)  # fmt: skip
+SMALL_REFINEMENT = replace(TEACHING_REFINEMENT, widths=(4, 6, 8), patch_widths=(4, 6, 8))
+COURSE = Course(steps=3, batch=4, learning_rate=1e-3, warm_up=1)
+LESSON = replace(decoupling.LESSONS["teaching"], course=COURSE)
+REPAIR = replace(refinement.LESSONS["teaching"], course=COURSE)
+
+
+def a_film(rng):
+    parts = rng.integers(20, size=(12, 32, 32)).astype(np.uint8)
+    frames = rng.integers(256, size=(12, 32, 32, 3)).astype(np.uint8)
+    return Film(frames, parts, rng.normal(size=(12, 55, 2)).astype(np.float16))
+
+
+@pytest.fixture(autouse=True)
+def seed():
+    torch.manual_seed(0)
+
+
+@pytest.fixture
+def video(rng):
+    return VideoFrames([a_film(rng) for _ in range(3)])
+
+
+@pytest.fixture
+def repair():
+    return refinement.RefinementObjective(
+        RefinementNet(SMALL_REFINEMENT),
+        PatchDiscriminator(SMALL_REFINEMENT),
+        MotionDecoupler(SMALL),
+        PyramidFeatures(2),
+        {},
+    )
+
+
+def chance(progress=0.0, seed=0):
+    return Chance(np.random.default_rng(seed), torch.Generator().manual_seed(seed), progress)
+
+
+def moved_by_training(objective, draw):
+    """Names of the values that three steps changed; losses stay finite."""
+    before = {name: value.clone() for name, value in objective.state_dict().items()}
+    losses = [log.loss for log in Training(objective, COURSE).run(draw)]
+    assert np.isfinite(losses).all()
+    now = objective.state_dict()
+    return {name for name, value in before.items() if not torch.equal(now[name], value)}
+
+
+def test_the_decoupler_trains_every_part(video):
+    objective = decoupling.DecouplingObjective(
+        MotionDecoupler(SMALL), PyramidFeatures(2), LESSON.weights
+    )
+    moved = moved_by_training(objective, lambda c: decoupling.draw(video, LESSON, c))
+    assert {name for name, _ in objective.named_parameters()} <= moved
+
+
+def test_refinement_trains_both_networks_and_leaves_the_decoupler_alone(video, repair):
+    moved = moved_by_training(repair, lambda c: refinement.draw(video, REPAIR, c))
+    trained = {name for name, p in repair.named_parameters() if p.requires_grad}
+    assert {name.split(".")[0] for name in trained} == {"model", "discriminator"}
+    assert trained <= moved
+    assert not {name for name in moved if name.startswith("decoupler")}
+
+
+def test_each_network_learns_from_its_own_loss_only(video, repair):
+    _, terms = repair(refinement.draw(video, REPAIR, chance()))
+    for term, learner, other in (
+        ("adversarial", repair.model, repair.discriminator),
+        ("discriminator", repair.discriminator, repair.model),
+    ):
+        for network, reached in ((learner, True), (other, False)):
+            slopes = torch.autograd.grad(
+                terms[term], list(network.parameters()), retain_graph=True, allow_unused=True
+            )
+            assert any(slope is not None for slope in slopes) is reached
+
+
+def test_a_step_counts_the_moving_quarter_more(video):
+    step = decoupling.draw(video, LESSON, chance())
+    assert set(step.weight.unique().tolist()) == {1.0, 7.0}
+    assert step.source.shape == step.driving.shape == (4, 3, 32, 32)
+    assert len(step.bend.affine) == 4
+
+
+def test_a_step_of_refinement_has_the_masks_of_its_driving_picture(video):
+    step = refinement.draw(video, REPAIR, chance())
+    rows = video.pairs(4, np.random.default_rng(0), furthest=12).driving
+    assert torch.equal(step.driving, video.images(rows))
+    assert torch.equal(step.hand, video.hands(rows))
+    assert torch.equal(step.face, video.faces(rows))
+
+
+@pytest.mark.parametrize(("progress", "frames"), [(0.0, 10), (0.2, 32), (0.4, 100), (1.0, 100)])
+def test_frames_may_lie_further_apart_as_training_goes_on(progress, frames):
+    assert decoupling.reach(LESSON, progress, 100) == frames
+    assert decoupling.reach(replace(LESSON, near=None), progress, 100) == 100
+
+
+@pytest.mark.parametrize(
+    ("progress", "share"), [(0.0, 0.0), (0.025, 0.25), (0.05, 0.5), (0.17, 0.5), (0.175, 0.0)]
+)
+def test_warps_drop_out_at_first_and_not_later(progress, share):
+    assert decoupling.warp_dropout(progress) == pytest.approx(share)
+
+
+def test_without_vgg_pictures_are_compared_by_colours_and_edges(tmp_path, monkeypatch):
+    monkeypatch.setenv("S2G_CACHE", str(tmp_path))
+    for recipe in (decoupling, refinement):
+        assert isinstance(recipe.picture_features("paper"), PyramidFeatures)
+        assert isinstance(recipe.picture_features("teaching"), PyramidFeatures)
+
+
+def test_both_stages_run_and_leave_their_checkpoints(tmp_path, monkeypatch, rng):
+    for recipe, lesson, config, presets in (
+        (decoupling, LESSON, SMALL, "DECOUPLING_PRESETS"),
+        (refinement, REPAIR, SMALL_REFINEMENT, "REFINEMENT_PRESETS"),
+    ):
+        monkeypatch.setattr(recipe, "films", lambda cells, size: [a_film(rng) for _ in range(3)])
+        monkeypatch.setitem(recipe.LESSONS, "teaching", lesson)
+        monkeypatch.setitem(getattr(recipe, presets), "teaching", config)
+    decoupling.train(Stage("mddiffusion-decoupling", tmp_path, steps=1))
+    refinement.train(Stage("mddiffusion-refinement", tmp_path, steps=1))
+    checkpoints = tmp_path / "checkpoints"
+    load_checkpoint(checkpoints / "mddiffusion-decoupling.safetensors", MotionDecoupler)
+    load_checkpoint(checkpoints / "mddiffusion-refinement.safetensors", RefinementNet)
+    run = json.loads((tmp_path / "runs" / "mddiffusion-decoupling-teaching-0.json").read_text())
+    assert set(run["figures"]) == {
+        "made / copied", "warped / copied", "mean / copied", "wrists R2"
+    }  # fmt: skip

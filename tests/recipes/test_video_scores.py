@@ -1,0 +1,96 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+from torch import nn
+
+from s2glib.papers.mddiffusion import (
+    TEACHING_DECOUPLING,
+    TEACHING_REFINEMENT,
+    MotionDecoupler,
+    RefinementNet,
+)
+from s2glib.recipes.video_data import WRISTS, Film, VideoFrames
+from s2glib.recipes.video_scores import MovingErrors, moving_errors, wrists_explained
+
+SMALL = replace(
+    TEACHING_DECOUPLING, size=32, transforms=3, keypoint_widths=(4, 4, 6, 8), keypoint_grid=2,
+    flow_size=16, flow_width=4, flow_widest=8, flow_blocks=2, synthesis_width=6, synthesis_blocks=2,
+)  # fmt: skip
+
+
+@pytest.fixture(autouse=True)
+def seed():
+    torch.manual_seed(0)
+
+
+@pytest.fixture
+def video(rng):
+    """A dot that walks along the diagonal, with both wrists on it."""
+    frames = np.full((21, 32, 32, 3), 40, np.uint8)
+    keypoints = np.zeros((21, 55, 2), np.float16)
+    for t in range(21):
+        frames[t, t : t + 10, t : t + 10] = 200
+        keypoints[t, WRISTS] = (t + 4.5) / 31 * 2 - 1
+    frames = frames + rng.integers(4, size=frames.shape).astype(np.uint8)
+    return VideoFrames([Film(frames, np.zeros(frames.shape[:3], np.uint8), keypoints)])
+
+
+class Corners(nn.Module):
+    """Reads the dot's place off the picture, as two keypoints; or answers always the same."""
+
+    def __init__(self, blind=False):
+        super().__init__()
+        self.blind = blind
+
+    def forward(self, image):
+        light = image.mean(dim=1) - 40 / 255
+        line = torch.linspace(-1, 1, 32)
+        x = (light.sum(dim=1) * line).sum(dim=1) / light.sum(dim=(1, 2))
+        return (x * (0 if self.blind else 1))[:, None, None, None].expand(-1, 1, 2, 2)
+
+
+def test_a_still_picture_scores_as_a_copy(video):
+    model = MotionDecoupler(SMALL)
+    for mask in model.flow.masks:
+        nn.init.zeros_(mask.weight)
+        nn.init.constant_(mask.bias, 20)  # everything visible
+    nn.init.zeros_(model.flow.weights.weight)
+    nn.init.zeros_(model.flow.weights.bias)
+    model.flow.weights.bias.data[0] = 20  # and only the background counts
+    shares = moving_errors(model, video).shares()
+    assert shares["copied"] == 1
+    assert [shares[name] for name in ("made", "warped", "refined")] == pytest.approx(
+        [1] * 3, rel=1e-3
+    )
+
+
+def test_errors_are_means_over_what_moves(video):
+    errors = moving_errors(MotionDecoupler(SMALL), video)
+    true = video.images(np.arange(21))
+    moving = video.moving(np.array([0]))[0, 0].bool()
+    copied = (true[::5] - true[0]).abs().mean(dim=1)[:, moving].mean()
+    mean = (true[::5] - true.mean(dim=0)).abs().mean(dim=1)[:, moving].mean()
+    assert errors.copied == pytest.approx([float(copied)], rel=1e-4)
+    assert errors.mean == pytest.approx([float(mean)], rel=1e-4)
+
+
+def test_refinement_is_scored_where_there_is_one(video):
+    torch.manual_seed(0)
+    refiner = RefinementNet(replace(TEACHING_REFINEMENT, widths=(4, 6, 8), adds=False)).eval()
+    errors = moving_errors(MotionDecoupler(SMALL), video, refiner)
+    assert errors.refined != errors.made
+
+
+def test_shares_are_of_the_copys_error():
+    errors = MovingErrors(*(np.array([k, 2.0 * k]) for k in (1.0, 2.0, 3.0, 4.0, 8.0)))
+    expected = {"made": 0.25, "refined": 0.5, "warped": 0.75, "copied": 1.0, "mean": 2.0}
+    assert errors.shares() == pytest.approx(expected)
+
+
+def test_keypoints_on_the_wrist_explain_it_and_blind_ones_do_not(video):
+    assert (wrists_explained(Corners(), video, video) > 0.98).all()
+    assert wrists_explained(Corners(blind=True), video, video) == pytest.approx(
+        np.zeros(4), abs=1e-3
+    )
