@@ -98,6 +98,9 @@ class VGGFeatures(nn.Module):
         standardize: subtract ImageNet's mean and divide by its deviation first.
     """
 
+    mean: Tensor
+    std: Tensor
+
     def __init__(
         self,
         depth: Literal[16, 19],
@@ -108,7 +111,7 @@ class VGGFeatures(nn.Module):
     ):
         super().__init__()
         self.taps, self.factors = tuple(taps), tuple(factors)
-        self.features = _vgg_stack(VGG_BLOCKS[depth])[: max(taps) + 1]
+        self.features = nn.Sequential(*_vgg_layers(VGG_BLOCKS[depth])[: max(taps) + 1])
         mean, std = (IMAGENET_MEAN, IMAGENET_STD) if standardize else ((0.0,) * 3, (1.0,) * 3)
         self.register_buffer("mean", torch.tensor(mean).view(3, 1, 1), persistent=False)
         self.register_buffer("std", torch.tensor(std).view(3, 1, 1), persistent=False)
@@ -143,7 +146,7 @@ def vgg16_features() -> VGGFeatures:
     return VGGFeatures(16, (4, 9, 16), standardize=False)
 
 
-def _vgg_stack(blocks: Sequence[int]) -> nn.Sequential:
+def _vgg_layers(blocks: Sequence[int]) -> list[nn.Module]:
     layers: list[nn.Module] = []
     inputs = 3
     for width, convolutions in zip((64, 128, 256, 512, 512), blocks, strict=True):
@@ -151,7 +154,7 @@ def _vgg_stack(blocks: Sequence[int]) -> nn.Sequential:
             layers += [nn.Conv2d(inputs, width, 3, padding=1), nn.ReLU()]
             inputs = width
         layers.append(nn.MaxPool2d(2))
-    return nn.Sequential(*layers)
+    return layers
 
 
 class PyramidFeatures(nn.Module):
