@@ -35,7 +35,6 @@ def test_it_ends_at_the_end_and_plays_again(watched, address):
     page.goto(address)
     page.get_by_role("slider").fill("2.8")
     page.get_by_role("button", name="Play").click()
-    page.wait_for_selector(".s2g-player[data-playing=true]")
     page.wait_for_selector(".s2g-player[data-playing=false][data-frame='89']")
     page.get_by_role("button", name="Play").click()
     page.wait_for_selector(".s2g-player[data-playing=true]")

@@ -1,11 +1,15 @@
 """The questions of all notebooks: one module a notebook, and a way to find them by id."""
 
-from s2glib.teaching.questions import notebook_00, notebook_01
+from s2glib.teaching.questions import notebook_00, notebook_01, notebook_02
 from s2glib.teaching.questions.question import Option, Question
 
 __all__ = ["QUESTIONS", "Option", "Question", "find_question"]
 
-QUESTIONS: tuple[Question, ...] = (*notebook_00.QUESTIONS, *notebook_01.QUESTIONS)
+QUESTIONS: tuple[Question, ...] = (
+    *notebook_00.QUESTIONS,
+    *notebook_01.QUESTIONS,
+    *notebook_02.QUESTIONS,
+)
 
 
 def find_question(id: str) -> Question:
