@@ -17,24 +17,22 @@ from s2glib.folders import cache_folder
 from s2glib.layers import PyramidFeatures, load_public, vgg19_features
 from s2glib.papers.mddiffusion import DECOUPLING_PRESETS, MotionDecoupler, decoupling_losses
 from s2glib.recipes.fit import Chance, Course
+from s2glib.recipes.image_augmentation import Augmentation
 from s2glib.recipes.stage import Stage
 from s2glib.recipes.video_data import (
     TEST_CLIPS,
     TRAIN_CLIPS,
     VideoFrames,
-    film_cells,
     films,
+    scenes,
     starting_keypoints,
 )
 from s2glib.recipes.video_scores import moving_errors, wrists_explained
 from s2glib.warping import ThinPlateSpline, random_tps
 
 VGG_19 = "weights/vgg19-dcbb9e9d.pth"  # in the cache folder, if the reader has put it there
-DROPOUT, DROPOUT_RISES, DROPOUT_ENDS = (
-    0.5,
-    0.05,
-    0.175,
-)  # share, shares of the course; authors' code
+DROPOUT = 0.5  # share of the warps; authors' code
+DROPOUT_RISES, DROPOUT_ENDS = 0.05, 0.175  # shares of the course; authors' code
 
 
 @dataclass(frozen=True)
@@ -106,14 +104,18 @@ class DecouplingObjective(nn.Module):
 
 
 def draw(video: VideoFrames, lesson: Lesson, chance: Chance) -> DecouplingStep:
-    """Pairs of frames, first near ones, later any; a bend; and how many warps may drop out."""
+    """Pairs of frames, first near ones, later any, each mirrored and coloured by chance; a bend.
+
+    And how many warps may drop out.
+    """
     count, progress = lesson.course.batch, chance.progress
     furthest = reach(lesson, progress, int(video.lengths.max()))
     source, driving, clips = video.pairs(count, chance.rng, furthest=furthest)
+    augmentation = Augmentation.draw(count, chance.rng)
     return DecouplingStep(
-        video.images(source),
-        video.images(driving),
-        1 + lesson.moving * video.moving(clips),
+        augmentation.change(video.images(source)),
+        augmentation.change(video.images(driving)),
+        augmentation.mirror(1 + lesson.moving * video.moving(clips)),
         random_tps(count, generator=chance.generator),
         warp_dropout(progress),
     )
@@ -149,7 +151,7 @@ def train(stage: Stage) -> None:
     torch.manual_seed(stage.seed)
     lesson, config = LESSONS[stage.preset], DECOUPLING_PRESETS[stage.preset]
     model = MotionDecoupler(config)
-    video = VideoFrames(films(film_cells("train", TRAIN_CLIPS), config.size))
+    video = VideoFrames(films(scenes("train", TRAIN_CLIPS), config.size))
     if lesson.start_where_it_moves:
         rng = np.random.default_rng(stage.seed)
         model.keypoints.start_at(starting_keypoints(video, config.transforms, config.points, rng))
@@ -157,7 +159,7 @@ def train(stage: Stage) -> None:
     course = stage.course(lesson.course)
     kept, record = stage.train(stage.name, objective, course, partial(draw, video, lesson))
     model = kept.model.eval()
-    test = VideoFrames(films(film_cells("test", TEST_CLIPS), config.size))
+    test = VideoFrames(films(scenes("test", TEST_CLIPS), config.size))
     shares = moving_errors(model, test).shares()
     figures = {f"{name} / copied": shares[name] for name in ("made", "warped", "mean")}
     figures["wrists R2"] = float(wrists_explained(model.keypoints, video, test).mean())

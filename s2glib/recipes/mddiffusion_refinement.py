@@ -28,7 +28,7 @@ from s2glib.papers.mddiffusion import (
 )
 from s2glib.recipes.fit import Chance, Course
 from s2glib.recipes.stage import Stage
-from s2glib.recipes.video_data import TEST_CLIPS, TRAIN_CLIPS, VideoFrames, film_cells, films
+from s2glib.recipes.video_data import TEST_CLIPS, TRAIN_CLIPS, VideoFrames, films, scenes
 from s2glib.recipes.video_scores import moving_errors
 
 VGG_16 = "weights/vgg16-397923af.pth"  # in the cache folder, if the reader has put it there
@@ -143,11 +143,11 @@ def train(stage: Stage) -> None:
         RefinementNet(config), PatchDiscriminator(config), decoupler, features, lesson.weights
     )
     size = decoupler.config.size
-    video = VideoFrames(films(film_cells("train", TRAIN_CLIPS), size))
+    video = VideoFrames(films(scenes("train", TRAIN_CLIPS), size))
     course = stage.course(lesson.course)
     kept, record = stage.train(stage.name, objective, course, partial(draw, video, lesson))
     model = kept.model.eval()
-    test = VideoFrames(films(film_cells("test", TEST_CLIPS), size))
+    test = VideoFrames(films(scenes("test", TEST_CLIPS), size))
     shares = moving_errors(decoupler, test, model).shares()
     figures = {f"{name} / copied": shares[name] for name in ("made", "refined")}
     stage.publish(stage.name, model, record, figures)

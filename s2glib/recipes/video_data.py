@@ -1,6 +1,6 @@
 """Films for the video stages: clips of four speakers, rendered once, and random pairs of frames.
 
-Paper:    MDD 4.1 (25 fps), B.5 (four speakers jointly)
+Paper:    MDD 4.1 (25 fps), B.5 (four speakers jointly), I (several looks of each)
 Notebook: notebooks/03_motion_decoupling.ipynb
 """
 
@@ -18,15 +18,29 @@ from jaxtyping import Bool, Float, Float16, UInt8
 from torch import Tensor
 from tqdm import tqdm
 
-from s2glib.corpus import KEYPOINT_NAMES, Cell, Part, appearances, render_motion, render_video
+from s2glib.corpus import (
+    KEYPOINT_NAMES,
+    Appearance,
+    Cell,
+    Part,
+    appearances,
+    render_motion,
+    render_video,
+)
 from s2glib.corpus.build import VERSION
 from s2glib.corpus.script import SHIPPED_SPEAKERS, split
 from s2glib.folders import cache_folder
 
 FPS = 25  # [MDD 4.1]
-LOOK = 0  # which of a speaker's two appearances is filmed
 TRAIN_CLIPS, TEST_CLIPS = 32, 6  # of each speaker
 WRISTS = [KEYPOINT_NAMES.index(f"{side}_wrist") for side in ("left", "right")]
+
+
+class Scene(NamedTuple):
+    """What is gestured, and who is seen gesturing it."""
+
+    cell: Cell
+    appearance: Appearance
 
 
 class Film(NamedTuple):
@@ -45,19 +59,21 @@ class FramePairs(NamedTuple):
     clips: np.ndarray
 
 
-def film_cells(name: str, per_speaker: int) -> list[Cell]:
-    """The same few clips of each filmed speaker in a split, whoever asks."""
+def scenes(name: str, per_speaker: int) -> list[Scene]:
+    """The same few clips of each filmed speaker in a split, in the two looks by turns."""
     rng = np.random.default_rng(0)
-    chosen: list[Cell] = []
+    chosen: list[Scene] = []
     for speaker in SHIPPED_SPEAKERS:
         cells = [cell for cell in split(name) if cell.speaker == speaker]
-        chosen += [cells[k] for k in sorted(rng.permutation(len(cells))[:per_speaker])]
+        rows = sorted(rng.permutation(len(cells))[:per_speaker])
+        looks = appearances(speaker)
+        chosen += [Scene(cells[row], looks[k % 2]) for k, row in enumerate(rows)]
     return chosen
 
 
-def films(cells: Sequence[Cell], size: int, *, processes: int | None = None) -> list[Film]:
-    """The clips filmed at `size` pixels, rendered where the cache lacks them."""
-    missing = [cell for cell in cells if not _file(cell, size).exists()]
+def films(shots: Sequence[Scene], size: int, *, processes: int | None = None) -> list[Film]:
+    """The scenes filmed at `size` pixels, rendered where the cache lacks them."""
+    missing = [scene for scene in shots if not _file(scene, size).exists()]
     if missing:
         context = get_context("spawn")
         with (
@@ -68,16 +84,17 @@ def films(cells: Sequence[Cell], size: int, *, processes: int | None = None) -> 
         ):
             for _ in pool.map(_shoot, missing, [size] * len(missing)):
                 bar.update()
-    return [_read(_file(cell, size)) for cell in cells]
+    return [_read(_file(scene, size)) for scene in shots]
 
 
-def _file(cell: Cell, size: int) -> Path:
-    return cache_folder() / f"video-v{VERSION}" / str(size) / f"{cell.id}-look{LOOK}.npz"
+def _file(scene: Scene, size: int) -> Path:
+    look = scene.appearance.name.replace("/", "")
+    return cache_folder() / f"video-v{VERSION}" / str(size) / f"{scene.cell.id}-{look}.npz"
 
 
-def _shoot(cell: Cell, size: int) -> None:
-    video = render_video(render_motion(cell), appearances(cell.speaker)[LOOK], size, FPS)
-    path = _file(cell, size)
+def _shoot(scene: Scene, size: int) -> None:
+    video = render_video(render_motion(scene.cell), scene.appearance, size, FPS)
+    path = _file(scene, size)
     path.parent.mkdir(parents=True, exist_ok=True)
     unfinished = path.with_suffix(f".{os.getpid()}.tmp.npz")
     keypoints = video.keypoints.astype(np.float16)

@@ -1,18 +1,20 @@
+from collections import Counter
+
 import numpy as np
 import pytest
 import torch
 
-from s2glib.corpus import Part, split
+from s2glib.corpus import HELD_OUT, Part, split
 from s2glib.recipes import video_data
 from s2glib.recipes.video_data import (
     TEST_CLIPS,
     TRAIN_CLIPS,
     Film,
     VideoFrames,
-    film_cells,
     films,
     moving_quarter,
     pixel_motion,
+    scenes,
     starting_keypoints,
 )
 
@@ -84,21 +86,27 @@ def test_keypoints_start_where_it_moves(video, rng):
     assert within < between * 2  # groups are clusters
 
 
-def test_the_same_few_clips_of_each_speaker_are_filmed():
-    train, test = film_cells("train", TRAIN_CLIPS), film_cells("test", TEST_CLIPS)
-    assert train == film_cells("train", TRAIN_CLIPS)
-    assert len(set(train)) == 4 * TRAIN_CLIPS
-    assert len({cell.speaker for cell in test}) == 4
-    assert set(train) <= set(split("train"))
-    assert not set(train) & set(test)
+def test_the_same_few_clips_of_each_speaker_are_filmed_in_both_looks():
+    train, test = scenes("train", TRAIN_CLIPS), scenes("test", TEST_CLIPS)
+    assert train == scenes("train", TRAIN_CLIPS)
+    assert len({scene.cell for scene in train}) == 4 * TRAIN_CLIPS
+    assert len({scene.cell.speaker for scene in test}) == 4
+    assert {scene.cell for scene in train} <= set(split("train"))
+    assert not {scene.cell for scene in train} & {scene.cell for scene in test}
+    for some in (train, test):
+        looks = Counter(scene.appearance.name for scene in some)
+        assert len(looks) == 8
+        assert len(set(looks.values())) == 1
 
 
-def test_a_film_is_shot_once(tmp_path, monkeypatch):
+def test_a_film_is_shot_once_for_each_look(tmp_path, monkeypatch):
     monkeypatch.setenv("S2G_CACHE", str(tmp_path))
-    cells = film_cells("test", 1)[:1]
+    cells = scenes("test", 1)[:1]
     (shot,) = films(cells, 32, processes=1)
     monkeypatch.setattr(video_data, "ProcessPoolExecutor", None)  # a second shooting would fail
     (again,) = films(cells, 32)
+    with pytest.raises(TypeError):
+        films([cells[0]._replace(appearance=HELD_OUT)], 32)
     assert all(np.array_equal(a, b) for a, b in zip(shot, again, strict=True))
     assert shot.frames.shape[1:] == (32, 32, 3)
     assert shot.parts.shape == shot.frames.shape[:3]
