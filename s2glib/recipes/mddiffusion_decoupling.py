@@ -61,7 +61,7 @@ LESSONS = {
         {"perceptual": 10.0, "equivariance": 10.0, "warp": 10.0},
     ),
     "teaching": Lesson(
-        Course(steps=12_000, batch=8, learning_rate=1e-3, betas=(0.5, 0.999), weight_decay=1e-4),
+        Course(steps=9000, batch=8, learning_rate=1e-3, betas=(0.5, 0.999), weight_decay=1e-4),
         {"perceptual": 1.0, "warped": 1.0, "equivariance": 0.5, "warp": 0.1},
         moving=6.0,
         near=(10, 0.4),

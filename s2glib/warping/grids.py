@@ -37,6 +37,20 @@ def coordinate_grid(
     return torch.stack(torch.meshgrid(x, y, indexing="xy"), dim=-1)
 
 
+def check_points(name: str, points: Tensor) -> None:
+    """Refuse what is not a tensor of image points.
+
+    Raises:
+        TypeError: if it is no tensor of a floating type.
+        ValueError: if it is not (..., n, 2).
+    """
+    if not isinstance(points, Tensor) or not points.is_floating_point():
+        kind = points.dtype if isinstance(points, Tensor) else type(points).__name__
+        raise TypeError(f"{name} must be a tensor of floating points, got {kind}")
+    if points.ndim < 2 or points.shape[-1] != 2:
+        raise ValueError(f"{name} must be (..., n, 2), got {tuple(points.shape)}")
+
+
 def warp_image(
     image: Float[Tensor, "batch channels height width"],
     sampling_grid: Float[Tensor, "batch new_height new_width 2"],
@@ -50,7 +64,20 @@ def warp_image(
         sampling_grid: a point of the image for every new pixel.
         padding: what lies outside the image. The authors' code has zeros around warped sources and
             reflections around randomly warped training images.
+
+    Raises:
+        TypeError: if the two are not tensors of one floating type.
+        ValueError: if the shapes do not fit.
     """
+    check_points("sampling_grid", sampling_grid)
+    if not isinstance(image, Tensor) or image.dtype != sampling_grid.dtype:
+        kind = image.dtype if isinstance(image, Tensor) else type(image).__name__
+        raise TypeError(f"image must be a tensor of {sampling_grid.dtype}, as the grid; got {kind}")
+    if image.ndim != 4 or sampling_grid.ndim != 4 or len(image) != len(sampling_grid):
+        raise ValueError(
+            "warp_image takes (batch, channels, height, width) and (batch, height, width, 2), got "
+            f"{tuple(image.shape)} and {tuple(sampling_grid.shape)}; give one picture a batch axis"
+        )
     return grid_sample(image, sampling_grid, padding_mode=padding, align_corners=True)
 
 
@@ -66,8 +93,10 @@ def gaussian_heatmap(
         variance: in image units squared; the authors' code takes 0.01.
 
     Raises:
-        ValueError: if `variance` is not positive.
+        TypeError: if the keypoints are not a tensor of a floating type.
+        ValueError: if they are not (..., k, 2), or `variance` is not positive.
     """
+    check_points("keypoints", keypoints)
     if not variance > 0:
         raise ValueError(f"variance must be positive, got {variance}; 0.01 is usual")
     grid = coordinate_grid(height, width, dtype=keypoints.dtype, device=keypoints.device)

@@ -5,6 +5,7 @@ Notebook: notebooks/02_thin_plate_splines.ipynb
 """
 
 import math
+from numbers import Real
 from typing import NamedTuple
 
 import torch
@@ -12,7 +13,7 @@ from jaxtyping import Float
 from torch import Tensor
 
 from s2glib.warping.affine import apply_affine
-from s2glib.warping.grids import coordinate_grid
+from s2glib.warping.grids import check_points, coordinate_grid
 
 FAR = 1e15  # image units from the middle; no point is taken to be farther away
 BLOCK = 2**19  # distances to compute at a time; larger blocks only wait for memory
@@ -64,15 +65,17 @@ def fit_tps(
         The spline, of the arguments' type; the system itself is solved in float64.
 
     Raises:
-        TypeError: if the points are not tensors of one floating type.
-        ValueError: if the shapes do not fit, `ridge` is negative, or, without a ridge, there are
-            fewer than three control points, two of them coincide, all lie on one line, or one is
-            not finite. On the meta device values are not looked at.
+        TypeError: if the points are not tensors of one floating type, or `ridge` is no number.
+        ValueError: if the shapes do not fit, a point is not finite, `ridge` is negative, or,
+            without a ridge, there are fewer than three control points, two of them coincide, or
+            all lie on one line. On the meta device values are not looked at.
     """
     _check_pairs(driving, source, ridge)
     driving, source = torch.broadcast_tensors(driving, source)
-    if ridge == 0 and driving.device.type != "meta":
-        _check_control_points(driving, source)
+    if driving.device.type != "meta":
+        _check_finite(driving, source)
+        if ridge == 0:
+            _check_control_points(driving)
     driving, source = _in_reach(driving), _in_reach(source)
     n = driving.shape[-2]
     L = _system(driving.double())
@@ -87,7 +90,15 @@ def fit_tps(
 
 
 def apply_tps(spline: ThinPlateSpline, points: Float[Tensor, "*#b m 2"]) -> Float[Tensor, "*b m 2"]:
-    """Move points by the spline  [MDD Eq. A2]; leading axes broadcast."""
+    """Move points by the spline  [MDD Eq. A2]; leading axes broadcast.
+
+    Raises:
+        TypeError: if the points are not of the spline's floating type.
+        ValueError: if they are not (..., m, 2).
+    """
+    check_points("points", points)
+    if points.dtype != spline.centers.dtype:
+        raise TypeError(f"points are {points.dtype}, the spline {spline.centers.dtype}")
     points = _in_reach(points)
     U = radial_basis(_sq_dist(points, spline.centers))  # (*b, m, n)
     return apply_affine(spline.affine, points) + U @ spline.weights
@@ -148,12 +159,8 @@ def _system(driving: Tensor) -> Tensor:
 
 
 def _check_pairs(driving: Tensor, source: Tensor, ridge: float | int) -> None:
-    for name, points in (("driving", driving), ("source", source)):
-        if not isinstance(points, Tensor) or not points.is_floating_point():
-            kind = points.dtype if isinstance(points, Tensor) else type(points).__name__
-            raise TypeError(f"{name} must be a tensor of floating points, got {kind}")
-        if points.ndim < 2 or points.shape[-1] != 2:
-            raise ValueError(f"{name} must be (..., n, 2), got {tuple(points.shape)}")
+    check_points("driving", driving)
+    check_points("source", source)
     if driving.dtype != source.dtype:
         raise TypeError(f"driving is {driving.dtype}, source {source.dtype}; make them one type")
     if driving.shape[-2] != source.shape[-2] or not _broadcast(driving, source):
@@ -161,6 +168,8 @@ def _check_pairs(driving: Tensor, source: Tensor, ridge: float | int) -> None:
             "driving and source must hold pairs of points, with leading axes that broadcast; got "
             f"{tuple(driving.shape)} and {tuple(source.shape)}"
         )
+    if not isinstance(ridge, Real):
+        raise TypeError(f"ridge must be a number, got {type(ridge).__name__}")
     if ridge == 0 and driving.shape[-2] < 3:
         raise ValueError(
             "a thin-plate spline needs at least 3 control points, got "
@@ -175,22 +184,25 @@ def _broadcast(driving: Tensor, source: Tensor) -> bool:
     return all(a == b or 1 in (a, b) for a, b in sizes)
 
 
-def _check_control_points(driving: Tensor, source: Tensor) -> None:
-    """Refuse what leaves L without an inverse, naming the first such spline."""
+def _check_finite(driving: Tensor, source: Tensor) -> None:
     finite = (driving.isfinite() & source.isfinite()).flatten(-2).all(-1)
-    _refuse(~finite, "hold a value that is not finite")
+    _refuse(~finite, "hold a value that is not finite; look where it came from")
+
+
+def _check_control_points(driving: Tensor) -> None:
+    """Refuse what leaves L without an inverse, naming the first such spline."""
     points = _in_reach(driving.detach()).double()
     tolerance = ROUNDING * torch.finfo(driving.dtype).eps * points.abs().amax((-2, -1))
     n = points.shape[-2]
     first, second = torch.triu_indices(n, n, 1)
     gaps = (points[..., first, :] - points[..., second, :]).norm(dim=-1)
     off_line = torch.linalg.svdvals(points - points.mean(-2, keepdim=True))[..., -1] / n**0.5
-    _refuse(gaps.amin(-1) <= tolerance, "coincide")
-    _refuse(off_line <= tolerance, "lie on one line")
+    _refuse(gaps.amin(-1) <= tolerance, "coincide; move them, or give a ridge")
+    _refuse(off_line <= tolerance, "lie on one line; move them, or give a ridge")
 
 
 def _refuse(found: Tensor, fault: str) -> None:
     if found.any():
         place = found.nonzero()[0].tolist()
         index = f" at batch index {', '.join(map(str, place))}" if place else ""
-        raise ValueError(f"control points{index} {fault}; move them, or give a ridge")
+        raise ValueError(f"control points{index} {fault}")
