@@ -13,6 +13,7 @@ STAGES = {
     "amuse-extractor": "s2glib.recipes.amuse_extractor",
     "mddiffusion-decoupling": "s2glib.recipes.mddiffusion_decoupling",
     "mddiffusion-refinement": "s2glib.recipes.mddiffusion_refinement",
+    "mddiffusion-ablation": "s2glib.recipes.mddiffusion_ablation",
 }
 
 

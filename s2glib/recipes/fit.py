@@ -12,7 +12,7 @@ import math
 import time
 from collections.abc import Callable, Iterator
 from copy import deepcopy
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -27,7 +27,13 @@ from torch import Tensor, nn
 
 @dataclass(frozen=True)
 class Course:
-    """How to train: AdamW, warm-up, cosine decay, gradient clipping, and a moving average."""
+    """How to train: AdamW, warm-up, cosine decay, gradient clipping, and a moving average.
+
+    Attributes:
+        last_rate: share of the learning rate at the end.
+        slower: shares of the learning rate for some parts of the objective, by their names.
+        average: decay of the moving average of the weights; None: none is kept.
+    """
 
     steps: int
     batch: int
@@ -35,9 +41,10 @@ class Course:
     betas: tuple[float, float] = (0.9, 0.999)
     weight_decay: float = 0.01
     warm_up: int = 100
-    last_rate: float = 0.02  # share of the learning rate at the end
+    last_rate: float = 0.02
     clip: float = 1.0
-    average: float | None = None  # decay of the moving average of the weights
+    slower: dict[str, float] = field(default_factory=dict)
+    average: float | None = None
     seed: int = 0
 
     def rate(self, step: int) -> float:
@@ -80,9 +87,11 @@ class Training:
         self.course, self.step = course, 0
         self.notes: dict[str, Any] = {}  # saved with the state
         self.accelerator = Accelerator()
-        trained = [p for p in objective.parameters() if p.requires_grad]
         optimizer = torch.optim.AdamW(
-            trained, course.learning_rate, course.betas, weight_decay=course.weight_decay
+            _groups(objective, course.slower),
+            course.learning_rate,
+            course.betas,
+            weight_decay=course.weight_decay,
         )
         self.bare = objective
         self.average = deepcopy(objective).requires_grad_(False) if course.average else None
@@ -99,7 +108,7 @@ class Training:
             chance = self._chance()
             loss, terms = self.objective(send_to_device(draw(chance), self.accelerator.device))
             for group in self.optimizer.param_groups:
-                group["lr"] = self.course.rate(self.step)
+                group["lr"] = group["share"] * self.course.rate(self.step)
             self.optimizer.zero_grad(set_to_none=True)
             self.accelerator.backward(loss)
             self.accelerator.clip_grad_norm_(self.objective.parameters(), self.course.clip)
@@ -168,3 +177,17 @@ class Training:
             state.setdefault(int(number), {})[key] = value
         whole = self.optimizer.state_dict()
         self.optimizer.load_state_dict({"state": state, "param_groups": whole["param_groups"]})
+
+
+def _groups(objective: nn.Module, slower: dict[str, float]) -> list[dict[str, Any]]:
+    """What is trained, part by part where parts have rates of their own."""
+    groups: dict[str | None, dict[str, Any]] = {None: {"params": [], "share": 1.0}}
+    groups |= {part: {"params": [], "share": share} for part, share in slower.items()}
+    for name, parameter in objective.named_parameters():
+        part = name.split(".")[0]
+        if parameter.requires_grad:
+            groups[part if part in slower else None]["params"].append(parameter)
+    missing = [part for part in slower if not groups[part]["params"]]
+    if missing:
+        raise ValueError(f"the objective trains no part called {', '.join(missing)}")
+    return list(groups.values())

@@ -6,7 +6,7 @@ Notebook: notebooks/03_motion_decoupling.ipynb
 
 from dataclasses import dataclass, field
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import torch
@@ -15,7 +15,12 @@ from torch import Tensor, nn
 
 from s2glib.folders import cache_folder
 from s2glib.layers import PyramidFeatures, load_public, vgg19_features
-from s2glib.papers.mddiffusion import DECOUPLING_PRESETS, MotionDecoupler, decoupling_losses
+from s2glib.papers.mddiffusion import (
+    DECOUPLING_PRESETS,
+    DecouplingConfig,
+    MotionDecoupler,
+    decoupling_losses,
+)
 from s2glib.recipes.fit import Chance, Course
 from s2glib.recipes.image_augmentation import Augmentation
 from s2glib.recipes.stage import Stage
@@ -27,7 +32,7 @@ from s2glib.recipes.video_data import (
     scenes,
     starting_keypoints,
 )
-from s2glib.recipes.video_scores import moving_errors, wrists_explained
+from s2glib.recipes.video_scores import film_errors, wrists_explained
 from s2glib.warping import ThinPlateSpline, random_tps
 
 VGG_19 = "weights/vgg19-dcbb9e9d.pth"  # in the cache folder, if the reader has put it there
@@ -146,21 +151,28 @@ def picture_features(preset: str) -> nn.Module:
     return features
 
 
-def train(stage: Stage) -> None:
-    """The stage `mddiffusion-decoupling`."""
+def fit_decoupler(
+    stage: Stage, part: str, config: DecouplingConfig, lesson: Lesson, video: VideoFrames
+) -> tuple[MotionDecoupler, dict[str, Any]]:
+    """A decoupler trained on films, and the record of its run."""
     torch.manual_seed(stage.seed)
-    lesson, config = LESSONS[stage.preset], DECOUPLING_PRESETS[stage.preset]
     model = MotionDecoupler(config)
-    video = VideoFrames(films(scenes("train", TRAIN_CLIPS), config.size))
     if lesson.start_where_it_moves:
         rng = np.random.default_rng(stage.seed)
         model.keypoints.start_at(starting_keypoints(video, config.transforms, config.points, rng))
     objective = DecouplingObjective(model, picture_features(stage.preset), lesson.weights)
     course = stage.course(lesson.course)
-    kept, record = stage.train(stage.name, objective, course, partial(draw, video, lesson))
-    model = kept.model.eval()
+    kept, record = stage.train(part, objective, course, partial(draw, video, lesson))
+    return kept.model.eval(), record
+
+
+def train(stage: Stage) -> None:
+    """The stage `mddiffusion-decoupling`."""
+    config = DECOUPLING_PRESETS[stage.preset]
+    video = VideoFrames(films(scenes("train", TRAIN_CLIPS), config.size))
+    model, record = fit_decoupler(stage, stage.name, config, LESSONS[stage.preset], video)
     test = VideoFrames(films(scenes("test", TEST_CLIPS), config.size))
-    shares = moving_errors(model, test).shares()
+    shares = film_errors(model, test).moving.shares()
     figures = {f"{name} / copied": shares[name] for name in ("made", "warped", "mean")}
     figures["wrists R2"] = float(wrists_explained(model.keypoints, video, test).mean())
     stage.publish(stage.name, model, record, figures)

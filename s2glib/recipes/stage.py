@@ -87,24 +87,29 @@ class Stage:
         """
         path = self.folder / "checkpoints" / f"{part}.safetensors"
         path.parent.mkdir(parents=True, exist_ok=True)
-        known = {"recipe": self.name, "seed": self.seed, "steps": record["course"]["steps"]}
-        metadata = {**known, "figures": figures}
+        metadata = {**self._known(record), "figures": figures}
         config: Any = model.config
         save_checkpoint(path, model, config, metadata=metadata, half=True)
+        self.note(part, record | {"config": asdict(config)}, figures)
+        return path
+
+    def note(self, part: str, record: dict[str, Any], figures: dict[str, float]) -> None:
+        """Write a run's record alone."""
         whole = {
             "stage": self.name,
             "part": part,
             "preset": self.preset,
             "commit": _commit(),
-            **known,
+            **self._known(record),
             **record,
-            "config": asdict(config),
             "figures": figures,
         }
         runs = self.folder / "runs" / f"{part}-{self.preset}-{self.seed}.json"
         runs.parent.mkdir(parents=True, exist_ok=True)
         runs.write_text(json.dumps(whole, indent=1) + "\n", encoding="utf8")
-        return path
+
+    def _known(self, record: dict[str, Any]) -> dict[str, Any]:
+        return {"recipe": self.name, "seed": self.seed, "steps": record["course"]["steps"]}
 
 
 def _means(rows: list[dict[str, float]]) -> dict[str, float]:

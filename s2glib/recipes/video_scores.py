@@ -19,8 +19,8 @@ EVERY = 5  # of the frames of a film, one is scored
 RIDGE = 1e-5  # of the number of frames
 
 
-class MovingErrors(NamedTuple):
-    """Mean absolute errors in the moving quarter of each film, one entry a film.
+class Errors(NamedTuple):
+    """Mean absolute errors in one region of each film, one entry a film.
 
     Attributes:
         made: of the decoupler's picture.
@@ -42,24 +42,35 @@ class MovingErrors(NamedTuple):
         return {name: float(error.mean()) / copied for name, error in self._asdict().items()}
 
 
+class RegionErrors(NamedTuple):
+    """Errors where to look: in the moving quarter of a film, on its hands, on its face."""
+
+    moving: Errors
+    hand: Errors
+    face: Errors
+
+
 @torch.no_grad()
-def moving_errors(
+def film_errors(
     decoupler: MotionDecoupler, video: VideoFrames, refiner: RefinementNet | None = None
-) -> MovingErrors:
-    """Rebuild every film from its first frame, and compare where it moves."""
-    rows = []
+) -> RegionErrors:
+    """Rebuild every film from its first frame, and compare region by region."""
+    errors = []
     for clip, (start, length) in enumerate(zip(video.starts, video.lengths, strict=True)):
-        true = video.images(np.arange(start, start + length))
-        source, driving = true[:1].expand(len(true[::EVERY]), -1, -1, -1), true[::EVERY]
+        rows = np.arange(start, start + length)
+        scored = rows[::EVERY]
+        driving, source = video.images(scored), video.images(rows[:1])
+        source = source.expand_as(driving)
         made = decoupler.eval()(source, driving)
         image, warped = made.synthesis.image, made.synthesis.warped
-        refined = refiner(image, made.flow.occlusion_masks[-1]) if refiner else image
+        refined = refiner.eval()(image, made.flow.occlusion_masks[-1]) if refiner else image
+        mean = video.images(rows).mean(dim=0, keepdim=True).expand_as(driving)
         moving = video.moving(np.array([clip])).expand(len(driving), -1, -1, -1)
-        guesses = (image, refined, warped, source, true.mean(dim=0, keepdim=True))
-        rows.append(
-            [float(masked_l1(driving, guess.expand_as(driving), moving)) for guess in guesses]
-        )
-    return MovingErrors(*np.array(rows).T)
+        regions = (moving, video.hands(scored), video.faces(scored))
+        guesses = (image, refined, warped, source, mean)
+        errors.append([[float(masked_l1(driving, g, mask)) for mask in regions] for g in guesses])
+    by_region = np.array(errors).transpose(2, 1, 0)  # (regions, guesses, films)
+    return RegionErrors(*(Errors(*region) for region in by_region))
 
 
 @torch.no_grad()

@@ -161,3 +161,29 @@ def test_a_finished_run_is_saved_as_finished(tmp_path):
 def test_a_state_that_is_not_there_yet_starts_at_the_beginning(tmp_path):
     training = begin(resume_from=tmp_path / "nothing.safetensors")
     assert len(list(training.run(draw))) == 6
+
+
+def test_a_part_with_a_rate_of_its_own_takes_smaller_steps():
+    course = Course(steps=1, batch=4, learning_rate=0.1, warm_up=1, slower={"second": 0.25})
+
+    class Two(nn.Module):
+        def __init__(self):
+            super().__init__()
+            self.first, self.second = nn.Linear(2, 1), nn.Linear(2, 1)
+
+        def forward(self, batch):
+            loss = self.first(batch).mean() + self.second(batch).mean()
+            return loss, {}
+
+    training = Training(Two(), course)
+    before = [part.weight.clone() for part in (training.bare.first, training.bare.second)]
+    list(training.run(lambda chance: torch.ones(3, 2)))
+    after = [part.weight for part in (training.bare.first, training.bare.second)]
+    moved = [float((b - a).detach().abs().mean()) for a, b in zip(before, after, strict=True)]
+    assert moved[0] == pytest.approx(0.1, rel=0.02)
+    assert moved[1] == pytest.approx(0.025, rel=0.02)
+
+
+def test_a_part_that_is_not_there_is_named():
+    with pytest.raises(ValueError, match="no part called critic"):
+        begin(Course(steps=1, batch=4, learning_rate=0.1, slower={"critic": 0.5}))

@@ -12,7 +12,7 @@ from s2glib.papers.mddiffusion import (
     RefinementNet,
 )
 from s2glib.recipes.video_data import WRISTS, Film, VideoFrames
-from s2glib.recipes.video_scores import MovingErrors, moving_errors, wrists_explained
+from s2glib.recipes.video_scores import Errors, film_errors, wrists_explained
 
 SMALL = replace(
     TEACHING_DECOUPLING, size=32, transforms=3, keypoint_widths=(4, 4, 6, 8), keypoint_grid=2,
@@ -59,7 +59,7 @@ def test_a_still_picture_scores_as_a_copy(video):
     nn.init.zeros_(model.flow.weights.weight)
     nn.init.zeros_(model.flow.weights.bias)
     model.flow.weights.bias.data[0] = 20  # and only the background counts
-    shares = moving_errors(model, video).shares()
+    shares = film_errors(model, video).moving.shares()
     assert shares["copied"] == 1
     assert [shares[name] for name in ("made", "warped", "refined")] == pytest.approx(
         [1] * 3, rel=1e-3
@@ -67,7 +67,7 @@ def test_a_still_picture_scores_as_a_copy(video):
 
 
 def test_errors_are_means_over_what_moves(video):
-    errors = moving_errors(MotionDecoupler(SMALL), video)
+    errors = film_errors(MotionDecoupler(SMALL), video).moving
     true = video.images(np.arange(21))
     moving = video.moving(np.array([0]))[0, 0].bool()
     copied = (true[::5] - true[0]).abs().mean(dim=1)[:, moving].mean()
@@ -79,12 +79,12 @@ def test_errors_are_means_over_what_moves(video):
 def test_refinement_is_scored_where_there_is_one(video):
     torch.manual_seed(0)
     refiner = RefinementNet(replace(TEACHING_REFINEMENT, widths=(4, 6, 8), adds=False)).eval()
-    errors = moving_errors(MotionDecoupler(SMALL), video, refiner)
+    errors = film_errors(MotionDecoupler(SMALL), video, refiner).moving
     assert errors.refined != errors.made
 
 
 def test_shares_are_of_the_copys_error():
-    errors = MovingErrors(*(np.array([k, 2.0 * k]) for k in (1.0, 2.0, 3.0, 4.0, 8.0)))
+    errors = Errors(*(np.array([k, 2.0 * k]) for k in (1.0, 2.0, 3.0, 4.0, 8.0)))
     expected = {"made": 0.25, "refined": 0.5, "warped": 0.75, "copied": 1.0, "mean": 2.0}
     assert errors.shares() == pytest.approx(expected)
 

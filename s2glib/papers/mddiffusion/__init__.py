@@ -17,6 +17,7 @@ from s2glib.papers.mddiffusion.decoupling import (
     MotionDecoupler,
     Reconstruction,
     decoupling_losses,
+    equivariance,
 )
 from s2glib.papers.mddiffusion.flow_predictor import (
     Flow,
@@ -24,8 +25,9 @@ from s2glib.papers.mddiffusion.flow_predictor import (
     group_blobs,
     group_warps,
 )
-from s2glib.papers.mddiffusion.image_synthesis import ImageSynthesizer, Synthesis
+from s2glib.papers.mddiffusion.image_synthesis import ImageSynthesizer, Synthesis, warp_and_mask
 from s2glib.papers.mddiffusion.keypoint_predictor import KeypointPredictor
+from s2glib.papers.mddiffusion.pipeline import MDDiffusion, Video
 from s2glib.papers.mddiffusion.refinement import (
     Masks,
     PatchDiscriminator,
@@ -50,6 +52,7 @@ __all__ = [
     "FlowPredictor",
     "ImageSynthesizer",
     "KeypointPredictor",
+    "MDDiffusion",
     "Masks",
     "MotionDecoupler",
     "PatchDiscriminator",
@@ -58,9 +61,12 @@ __all__ = [
     "RefinementLosses",
     "RefinementNet",
     "Synthesis",
+    "Video",
     "decoupling_losses",
+    "equivariance",
     "group_blobs",
     "group_warps",
     "merge",
     "refinement_losses",
+    "warp_and_mask",
 ]

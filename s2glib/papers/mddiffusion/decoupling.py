@@ -174,19 +174,25 @@ def decoupling_losses(
     warped = features(made.synthesis.warped) if match_warped else wanted
     return DecouplingLosses(
         perceptual=perceptual_loss(wanted, features(made.synthesis.image), weight=weight),
-        equivariance=_equivariance(model.keypoints, driving, made.driving_keypoints, bend),
+        equivariance=equivariance(model.keypoints, driving, made.driving_keypoints, bend),
         warp=_warp(model.synthesizer, driving, made),
         background=_background_cycle(model.background, source, driving),
         warped=perceptual_loss(wanted, warped, weight=weight),
     )
 
 
-def _equivariance(
+def equivariance(
     predictor: nn.Module, image: Images, keypoints: Keypoints, bend: ThinPlateSpline
-) -> Tensor:
+) -> Float[Tensor, ""]:
     """Keypoints of the bent picture, bent back, should be the keypoints  [MDD Eq. B7].
 
     A pixel of the bent picture shows what was at `bend` of its place: the bend leads back.
+
+    Args:
+        predictor: pictures to keypoints.
+        image: pictures.
+        keypoints: as predicted on them.
+        bend: a random geometric transformation for each picture.
     """
     places = tps_grid(bend, *image.shape[-2:])
     bent = predictor(warp_image(image, places, padding="reflection"))
