@@ -14,6 +14,11 @@ def data_folder() -> Path:
     return Path(os.environ.get("S2G_DATA", default))
 
 
+def runs_folder() -> Path:
+    """Records of training runs, beside the package."""
+    return Path(__file__).resolve().parents[1] / "runs"
+
+
 def cache_folder() -> Path:
     """What can be rebuilt at any time: S2G_CACHE, or `s2glib` in the user's cache folder."""
     default = Path.home() / ".cache" / "s2glib"

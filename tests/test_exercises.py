@@ -69,11 +69,14 @@ def test_ids_count_up_in_every_notebook():
         assert mine == [f"{notebook}-{i}" for i in range(1, len(mine) + 1)]
 
 
-def test_an_unknown_exercise_is_refused_with_those_that_are_there():
+def test_an_unknown_exercise_is_refused_with_those_that_are_there(without_type_hook):
     with pytest.raises(ValueError, match="no exercise '01-9'; there are 01-1, 01-2, 01-3"):
         find_exercise("01-9")
     with pytest.raises(ValueError, match=r"no exercise 'abc'; there are .*01-1"):
         check("abc", print)
+    for id in (None, 5, ["01-1"]):
+        with pytest.raises(ValueError, match="there is no exercise"):
+            find_exercise(id)
 
 
 def test_it_is_well_described(exercise):
@@ -89,7 +92,7 @@ def test_it_is_well_described(exercise):
 
 def test_its_reference_is_the_packages_own_and_public(exercise):
     reference = exercise.reference
-    room = ".".join(reference.__module__.split(".")[:2])
+    room = reference.__module__.rpartition(".")[0]
     assert getattr(__import__(room, fromlist=["_"]), reference.__name__) is reference
 
 

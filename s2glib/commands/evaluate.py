@@ -13,6 +13,7 @@ def describe(parser: ArgumentParser) -> None:
     parser.add_argument("name", metavar="NAME", help="a table, such as amuse-speech, or all")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the rows there, too")
     parser.add_argument("--strict", action="store_true", help="exit code 1 if an aim is missed")
+    parser.add_argument("--retrain", action="store_true", help="do recorded runs again (an hour)")
 
 
 def run(options: Namespace) -> int:
@@ -24,4 +25,6 @@ def run(options: Namespace) -> int:
     """
     from s2glib.recipes.evaluate import evaluate
 
-    return evaluate(options.name, json_path=options.json, strict=options.strict)
+    return evaluate(
+        options.name, json_path=options.json, strict=options.strict, retrain=options.retrain
+    )

@@ -101,4 +101,15 @@ AMUSE_SEAMS = {
     "seams: wrist jerk, there over elsewhere / real": _near_one(0.2),
 }
 
-TARGETS: dict[str, Target] = AMUSE_SPEECH | AMUSE_GESTURE | AMUSE_SEAMS
+_LESS = Target(None, Bounds(high=1.0))  # than the other
+
+MDDIFFUSION_VIDEO = {
+    "moving region / copied, refined": _most(0.60, 0.75),
+    "moving region / copied, decoupler": _most(0.60, 0.75),
+    "hand region, refined / decoupler": _LESS,
+    "face region, refined / decoupler": _LESS,
+    "wrists in keypoints, R2": _least(0.80, 0.70),
+    "wrists in keypoints, R2 above untrained": Target(None, Bounds(low=0.20)),
+}
+
+TARGETS: dict[str, Target] = AMUSE_SPEECH | AMUSE_GESTURE | AMUSE_SEAMS | MDDIFFUSION_VIDEO

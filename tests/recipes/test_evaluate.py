@@ -14,9 +14,11 @@ BELOW = Row("wrist speed, anger / sadness, generated", 1.2, 80, (1.1, 1.3))
 def measured(monkeypatch):
     """Say what the tables will hold."""
 
-    def tables(speech, gesture=()):
+    def tables(speech, gesture=(), recorded=()):
         monkeypatch.setitem(module.TABLES, "amuse-speech", lambda folder: list(speech))
         monkeypatch.setitem(module.TABLES, "amuse-gesture", lambda folder: list(gesture))
+        monkeypatch.setitem(module.TABLES, "mddiffusion-video", lambda folder: [])
+        monkeypatch.setitem(module.RECORDED, "mddiffusion-video", lambda runs: list(recorded))
 
     return tables
 
@@ -31,7 +33,7 @@ def test_only_strict_fails_and_only_where_something_is_missed(measured, capsys, 
     assert row.name in capsys.readouterr().out
 
 
-def test_all_is_both_tables_in_one_file(measured, tmp_path):
+def test_all_is_every_table_in_one_file(measured, tmp_path):
     measured([GOOD], [BELOW])
     assert evaluate("all", json_path=tmp_path / "all.json") == 0
     rows = json.loads((tmp_path / "all.json").read_text())
@@ -55,11 +57,40 @@ def test_without_the_corpus_extra_it_says_so_in_one_line_and_writes_nothing(
 
 
 def test_an_unknown_table_is_refused_by_naming_the_known_ones():
-    with pytest.raises(ValueError, match="amuse-speech, amuse-gesture, all; got 'amuse'"):
+    with pytest.raises(
+        ValueError, match="amuse-speech, amuse-gesture, mddiffusion-video, all; got 'amuse'"
+    ):
         evaluate("amuse")
 
 
-@pytest.mark.parametrize("name", ["amuse-speech", "amuse-gesture"])
-def test_a_missing_checkpoint_is_named(name, tmp_path):
-    with pytest.raises(FileNotFoundError, match="amuse-disentangler"):
+@pytest.mark.parametrize(
+    ("name", "missing"),
+    [
+        ("amuse-speech", "amuse-disentangler"),
+        ("amuse-gesture", "amuse-disentangler"),
+        ("mddiffusion-video", "mddiffusion-decoupling"),
+    ],
+)
+def test_a_missing_checkpoint_is_named(name, missing, tmp_path):
+    with pytest.raises(FileNotFoundError, match=missing):
         evaluate(name, folder=tmp_path)
+
+
+def test_recorded_rows_say_so(measured, capsys):
+    measured([], recorded=[GOOD._replace(recorded=True)])
+    evaluate("mddiffusion-video")
+    assert "(recorded)" in capsys.readouterr().out
+
+
+def test_recorded_runs_can_be_done_again(measured, monkeypatch, tmp_path):
+    measured([])
+    monkeypatch.setenv("S2G_CACHE", str(tmp_path))
+    trained, read = [], []
+    monkeypatch.setattr(module.mddiffusion_ablation, "train", trained.append)
+    monkeypatch.setitem(
+        module.RECORDED, "mddiffusion-video", lambda runs: read.append(runs) or [GOOD]
+    )
+    evaluate("mddiffusion-video", retrain=True)
+    assert [stage.seed for stage in trained] == [0, 1, 2]
+    assert read == [trained[0].folder / "runs"]
+    assert tmp_path in read[0].parents

@@ -6,35 +6,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import torch
+from small_video import SMALL_DECOUPLING, SMALL_REFINEMENT, noise_film
 
 from s2glib.checkpoint import load_checkpoint
 from s2glib.layers import PyramidFeatures
-from s2glib.papers.mddiffusion import (
-    TEACHING_DECOUPLING,
-    TEACHING_REFINEMENT,
-    MotionDecoupler,
-    PatchDiscriminator,
-    RefinementNet,
-)
+from s2glib.papers.mddiffusion import MotionDecoupler, PatchDiscriminator, RefinementNet
 from s2glib.recipes import Chance, Course, Stage, Training
+from s2glib.recipes import mddiffusion_ablation as ablation
 from s2glib.recipes import mddiffusion_decoupling as decoupling
 from s2glib.recipes import mddiffusion_refinement as refinement
-from s2glib.recipes.video_data import Film, VideoFrames
+from s2glib.recipes.video_data import VideoFrames
 
-SMALL = replace(
-    TEACHING_DECOUPLING, size=32, transforms=3, keypoint_widths=(4, 4, 6, 8), keypoint_grid=2,
-    flow_size=16, flow_width=4, flow_widest=8, flow_blocks=2, synthesis_width=6, synthesis_blocks=2,
-)  # fmt: skip
-SMALL_REFINEMENT = replace(TEACHING_REFINEMENT, widths=(4, 6, 8), patch_widths=(4, 6, 8))
 COURSE = Course(steps=3, batch=4, learning_rate=1e-3, warm_up=1)
 LESSON = replace(decoupling.LESSONS["teaching"], course=COURSE)
 REPAIR = replace(refinement.LESSONS["teaching"], course=COURSE)
-
-
-def a_film(rng):
-    parts = rng.integers(20, size=(12, 32, 32)).astype(np.uint8)
-    frames = rng.integers(256, size=(12, 32, 32, 3)).astype(np.uint8)
-    return Film(frames, parts, rng.normal(size=(12, 55, 2)).astype(np.float16))
 
 
 @pytest.fixture(autouse=True)
@@ -44,7 +29,7 @@ def seed():
 
 @pytest.fixture
 def video(rng):
-    return VideoFrames([a_film(rng) for _ in range(3)])
+    return VideoFrames([noise_film(rng) for _ in range(3)])
 
 
 @pytest.fixture
@@ -52,7 +37,7 @@ def repair():
     return refinement.RefinementObjective(
         RefinementNet(SMALL_REFINEMENT),
         PatchDiscriminator(SMALL_REFINEMENT),
-        MotionDecoupler(SMALL),
+        MotionDecoupler(SMALL_DECOUPLING),
         PyramidFeatures(2),
         {},
     )
@@ -73,7 +58,7 @@ def moved_by_training(objective, draw):
 
 def test_the_decoupler_trains_every_part(video):
     objective = decoupling.DecouplingObjective(
-        MotionDecoupler(SMALL), PyramidFeatures(2), LESSON.weights
+        MotionDecoupler(SMALL_DECOUPLING), PyramidFeatures(2), LESSON.weights
     )
     moved = moved_by_training(objective, lambda c: decoupling.draw(video, LESSON, c))
     assert {name for name, _ in objective.named_parameters()} <= moved
@@ -135,20 +120,38 @@ def test_without_vgg_pictures_are_compared_by_colours_and_edges(tmp_path, monkey
         assert isinstance(recipe.picture_features("teaching"), PyramidFeatures)
 
 
-def test_both_stages_run_and_leave_their_checkpoints(tmp_path, monkeypatch, rng):
+@pytest.fixture
+def short(monkeypatch, rng):
+    """Stages of a step or two on small networks and films of noise."""
     for recipe, lesson, config, presets in (
-        (decoupling, LESSON, SMALL, "DECOUPLING_PRESETS"),
+        (decoupling, LESSON, SMALL_DECOUPLING, "DECOUPLING_PRESETS"),
         (refinement, REPAIR, SMALL_REFINEMENT, "REFINEMENT_PRESETS"),
     ):
-        monkeypatch.setattr(recipe, "films", lambda cells, size: [a_film(rng) for _ in range(3)])
         monkeypatch.setitem(recipe.LESSONS, "teaching", lesson)
         monkeypatch.setitem(getattr(recipe, presets), "teaching", config)
+    monkeypatch.setitem(ablation.DECOUPLING_PRESETS, "teaching", SMALL_DECOUPLING)
+    for recipe in (decoupling, refinement, ablation):
+        monkeypatch.setattr(recipe, "films", lambda shots, size: [noise_film(rng) for _ in shots])
+
+
+def test_both_stages_run_and_leave_their_checkpoints(tmp_path, short):
     decoupling.train(Stage("mddiffusion-decoupling", tmp_path, steps=1))
     refinement.train(Stage("mddiffusion-refinement", tmp_path, steps=1))
     checkpoints = tmp_path / "checkpoints"
     load_checkpoint(checkpoints / "mddiffusion-decoupling.safetensors", MotionDecoupler)
     load_checkpoint(checkpoints / "mddiffusion-refinement.safetensors", RefinementNet)
     run = json.loads((tmp_path / "runs" / "mddiffusion-decoupling-teaching-0.json").read_text())
-    assert set(run["figures"]) == {
-        "made / copied", "warped / copied", "mean / copied", "wrists R2"
-    }  # fmt: skip
+    assert set(run["figures"]) == {"made / copied", "warped / copied", "mean / copied", "wrists R2"}
+    assert np.isfinite(list(run["figures"].values())).all()
+
+
+def test_the_ablation_leaves_one_record_of_all_its_runs(tmp_path, short):
+    ablation.train(Stage(ablation.STAGE, tmp_path, steps=ablation.STEPS // 200))
+    run = json.loads((tmp_path / "runs" / "mddiffusion-ablation-teaching-0.json").read_text())
+    assert run["steps"] == ablation.STEPS // 200
+    assert np.isfinite(list(run["figures"].values())).all()
+    kinds = {f"{kind}{how}" for kind in ("splines", "affine") for how in ("", ", refined")}
+    named = {f"{kind}: {region}" for kind in kinds for region in ("moving", "hand", "face")}
+    assert set(run["figures"]) == named | {"one speaker: moving", "four speakers: moving"}
+    assert run["figures"]["splines: hand"] != run["figures"]["affine: hand"]
+    assert not list((tmp_path / "runs").glob("*splines*"))

@@ -3,21 +3,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import torch
+from small_video import SMALL_DECOUPLING, noise_film
 from torch import nn
 
-from s2glib.papers.mddiffusion import (
-    TEACHING_DECOUPLING,
-    TEACHING_REFINEMENT,
-    MotionDecoupler,
-    RefinementNet,
-)
+from s2glib.papers.mddiffusion import TEACHING_REFINEMENT, MotionDecoupler, RefinementNet
 from s2glib.recipes.video_data import WRISTS, Film, VideoFrames
 from s2glib.recipes.video_scores import Errors, film_errors, wrists_explained
-
-SMALL = replace(
-    TEACHING_DECOUPLING, size=32, transforms=3, keypoint_widths=(4, 4, 6, 8), keypoint_grid=2,
-    flow_size=16, flow_width=4, flow_widest=8, flow_blocks=2, synthesis_width=6, synthesis_blocks=2,
-)  # fmt: skip
 
 
 @pytest.fixture(autouse=True)
@@ -52,7 +43,7 @@ class Corners(nn.Module):
 
 
 def test_a_still_picture_scores_as_a_copy(video):
-    model = MotionDecoupler(SMALL)
+    model = MotionDecoupler(SMALL_DECOUPLING)
     for mask in model.flow.masks:
         nn.init.zeros_(mask.weight)
         nn.init.constant_(mask.bias, 20)  # everything visible
@@ -67,7 +58,7 @@ def test_a_still_picture_scores_as_a_copy(video):
 
 
 def test_errors_are_means_over_what_moves(video):
-    errors = film_errors(MotionDecoupler(SMALL), video).moving
+    errors = film_errors(MotionDecoupler(SMALL_DECOUPLING), video).moving
     true = video.images(np.arange(21))
     moving = video.moving(np.array([0]))[0, 0].bool()
     copied = (true[::5] - true[0]).abs().mean(dim=1)[:, moving].mean()
@@ -79,7 +70,7 @@ def test_errors_are_means_over_what_moves(video):
 def test_refinement_is_scored_where_there_is_one(video):
     torch.manual_seed(0)
     refiner = RefinementNet(replace(TEACHING_REFINEMENT, widths=(4, 6, 8), adds=False)).eval()
-    errors = film_errors(MotionDecoupler(SMALL), video, refiner).moving
+    errors = film_errors(MotionDecoupler(SMALL_DECOUPLING), video, refiner).moving
     assert errors.refined != errors.made
 
 
@@ -94,3 +85,14 @@ def test_keypoints_on_the_wrist_explain_it_and_blind_ones_do_not(video):
     assert wrists_explained(Corners(blind=True), video, video) == pytest.approx(
         np.zeros(4), abs=1e-3
     )
+
+
+def test_hands_and_faces_are_scored_where_they_are(rng):
+    video = VideoFrames([noise_film(rng)])
+    errors = film_errors(MotionDecoupler(SMALL_DECOUPLING), video)
+    scored = np.arange(0, 12, 5)
+    true, mask = video.images(scored), video.hands(scored).bool()[:, 0]
+    difference = (true - true[:1]).abs().mean(dim=1)
+    by_frame = [float(one[where].mean()) for one, where in zip(difference, mask, strict=True)]
+    assert errors.hand.copied == pytest.approx([np.mean(by_frame)], rel=1e-4)
+    assert errors.face.copied != errors.hand.copied

@@ -99,3 +99,30 @@ def test_a_grid_without_pixels_is_refused(height, width):
 def test_a_bump_without_width_is_refused(variance):
     with pytest.raises(ValueError, match="variance must be positive"):
         gaussian_heatmap(torch.zeros(1, 2), 3, 3, variance=variance)
+
+
+@pytest.mark.usefixtures("without_type_hook")
+@pytest.mark.parametrize(
+    ("image", "grid", "kind", "fault"),
+    [
+        (torch.zeros(1, 3, 4, 4), [[0.0, 0.0]], TypeError, "sampling_grid must be a tensor"),
+        (torch.zeros(1, 3, 4, 4), torch.zeros(1, 4, 4, 3), ValueError, "sampling_grid must be"),
+        (torch.zeros(1, 3, 4, 4).byte(), torch.zeros(1, 4, 4, 2), TypeError, "torch.uint8"),
+        (torch.zeros(1, 3, 4, 4).double(), torch.zeros(1, 4, 4, 2), TypeError, "torch.float64"),
+        (torch.zeros(3, 4, 4), torch.zeros(4, 4, 2), ValueError, "give one picture a batch axis"),
+        (torch.zeros(2, 3, 4, 4), torch.zeros(1, 4, 4, 2), ValueError, "warp_image takes"),
+    ],
+)
+def test_a_picture_and_a_grid_that_do_not_fit_are_refused(image, grid, kind, fault):
+    with pytest.raises(kind, match=fault):
+        warp_image(image, grid)
+
+
+@pytest.mark.usefixtures("without_type_hook")
+@pytest.mark.parametrize(
+    ("keypoints", "kind"),
+    [([[0.0, 0.0]], TypeError), (torch.zeros(4, 2).int(), TypeError), (torch.zeros(4), ValueError)],
+)
+def test_keypoints_that_are_none_are_refused(keypoints, kind):
+    with pytest.raises(kind, match="keypoints must be"):
+        gaussian_heatmap(keypoints, 4, 4, variance=0.01)

@@ -364,3 +364,37 @@ def test_shapes_that_do_not_fit_are_refused(driving, source, fault):
 def test_a_ridge_that_is_none_is_refused(ridge):
     with pytest.raises(ValueError, match="ridge must be finite"):
         fit_tps(GOOD, GOOD, ridge=ridge)
+
+
+@pytest.mark.usefixtures("without_type_hook")
+@pytest.mark.parametrize("ridge", ["0.01", None, torch.tensor(0.01)])
+def test_a_ridge_that_is_no_number_is_refused(ridge):
+    with pytest.raises(TypeError, match="ridge must be a number"):
+        fit_tps(GOOD, GOOD, ridge=ridge)
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
+@pytest.mark.parametrize("ridge", [0.0, 0.01])
+def test_a_point_that_is_not_finite_is_named_by_its_spline(value, ridge):
+    driving = GOOD.repeat(3, 1, 1)
+    source = driving.clone()
+    source[2, 1, 0] = value
+    for pair in ((driving, source), (source, driving)):
+        with pytest.raises(ValueError, match="batch index 2 hold a value that is not finite"):
+            fit_tps(*pair, ridge=ridge)
+
+
+@pytest.mark.usefixtures("without_type_hook")
+@pytest.mark.parametrize(
+    ("points", "kind", "fault"),
+    [
+        ([[0.0, 0.0]], TypeError, "tensor of floating points, got list"),
+        (torch.zeros(4, 2, dtype=torch.long), TypeError, "got torch.int64"),
+        (torch.zeros(4, 2), TypeError, "points are torch.float32, the spline torch.float64"),
+        (torch.zeros(2, dtype=torch.float64), ValueError, "points must be"),
+        (torch.zeros(4, 3, dtype=torch.float64), ValueError, "points must be"),
+    ],
+)
+def test_what_a_spline_cannot_move_is_refused(points, kind, fault):
+    with pytest.raises(kind, match=fault):
+        apply_tps(fit_tps(GOOD, GOOD), points)

@@ -92,10 +92,11 @@ class MDDiffusion:
         self._check(picture[None])
         config = self.decoupler.config
         groups = (config.transforms, config.points)
-        if keypoints.ndim != 3 or keypoints.shape[1:] != (groups[0] * groups[1], 2):
+        shape = (config.transforms * config.points, 2)
+        if keypoints.shape[1:] != shape or not len(keypoints):
             raise ValueError(
-                f"expected keypoints of shape (frames, {groups[0] * groups[1]}, 2), got "
-                f"{tuple(keypoints.shape)}"
+                f"expected keypoints of shape (frames, {shape[0]}, 2), got "
+                f"{tuple(keypoints.shape)}; take those that this model finds in a film"
             )
         here = self.decoupler.keypoints(picture[None])
         paint = partial(self._frames, picture, here)

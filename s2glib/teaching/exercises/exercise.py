@@ -70,8 +70,8 @@ def find_exercise(id: str) -> Exercise:
     Raises:
         ValueError: if there is none.
     """
-    here = {each.id: each for each in _exercises_of(id[:2])}
-    if id not in here:
+    here = {each.id: each for each in _exercises_of(str(id)[:2])}
+    if not isinstance(id, str) or id not in here:
         known = ", ".join(here or all_exercises())
         raise ValueError(f"there is no exercise {id!r}; there are {known}")
     return here[id]

@@ -1,25 +1,10 @@
-"""Small networks with every part of the large ones."""
-
-from dataclasses import replace
+"""Small networks, and pictures and keypoints for them."""
 
 import pytest
 import torch
+from small_video import SMALL_DECOUPLING
 
-from s2glib.papers.mddiffusion import TEACHING_DECOUPLING, MotionDecoupler
-
-SMALL = replace(
-    TEACHING_DECOUPLING,
-    size=32,
-    transforms=3,
-    keypoint_widths=(4, 4, 6, 8),
-    keypoint_grid=2,
-    flow_size=16,
-    flow_width=4,
-    flow_widest=8,
-    flow_blocks=2,
-    synthesis_width=4,
-    synthesis_blocks=2,
-)
+from s2glib.papers.mddiffusion import MotionDecoupler
 
 
 @pytest.fixture(autouse=True)
@@ -30,12 +15,12 @@ def seed():
 
 @pytest.fixture
 def config():
-    return SMALL
+    return SMALL_DECOUPLING
 
 
 @pytest.fixture
 def decoupler():
-    return MotionDecoupler(SMALL)
+    return MotionDecoupler(SMALL_DECOUPLING)
 
 
 @pytest.fixture

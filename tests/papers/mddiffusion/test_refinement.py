@@ -3,6 +3,7 @@ from itertools import pairwise
 
 import pytest
 import torch
+from small_video import SMALL_REFINEMENT
 
 from s2glib.checkpoint import load_checkpoint, save_checkpoint
 from s2glib.layers import PyramidFeatures
@@ -17,8 +18,6 @@ from s2glib.papers.mddiffusion import (
     merge,
     refinement_losses,
 )
-
-SMALL = replace(TEACHING_REFINEMENT, widths=(4, 6, 8), patch_widths=(4, 6, 8))
 
 
 @pytest.fixture
@@ -65,7 +64,7 @@ def test_the_papers_discriminator_scores_27_by_27_patches():
 
 def test_a_score_sees_a_patch_and_not_the_picture():
     image = torch.rand(1, 3, 64, 64, requires_grad=True)
-    PatchDiscriminator(SMALL)(image)[0, 0, 5, 5].backward()
+    PatchDiscriminator(SMALL_REFINEMENT)(image)[0, 0, 5, 5].backward()
     seen = image.grad[0].abs().sum(0) > 0
     rows = seen.any(dim=1).nonzero()
     assert 20 < int(rows.max() - rows.min()) < 50
@@ -79,8 +78,8 @@ def test_the_teaching_checkpoint_stays_below_two_megabytes():
 
 def test_the_text_predicts_a_picture_and_ours_adds_to_one(images, visible):
     torch.manual_seed(0)
-    whole = RefinementNet(replace(SMALL, adds=False)).eval()
-    adding = RefinementNet(SMALL).eval()
+    whole = RefinementNet(replace(SMALL_REFINEMENT, adds=False)).eval()
+    adding = RefinementNet(SMALL_REFINEMENT).eval()
     adding.load_state_dict(whole.state_dict())
     made, added = whole(images[0], visible), adding(images[0], visible)
     assert made.abs().max() <= 1
@@ -88,16 +87,16 @@ def test_the_text_predicts_a_picture_and_ours_adds_to_one(images, visible):
 
 
 def test_what_is_added_is_nothing_at_first(images, visible):
-    assert torch.equal(RefinementNet(SMALL)(images[0], visible), images[0])
+    assert torch.equal(RefinementNet(SMALL_REFINEMENT)(images[0], visible), images[0])
 
 
 def test_the_network_is_told_what_was_hidden(images, visible):
-    net = RefinementNet(replace(SMALL, adds=False)).eval()
+    net = RefinementNet(replace(SMALL_REFINEMENT, adds=False)).eval()
     assert not torch.allclose(net(images[0], visible), net(images[0], 1 - visible))
 
 
 def test_one_step_reaches_every_parameter_of_both(images, visible):
-    net, critic = RefinementNet(SMALL), PatchDiscriminator(SMALL)
+    net, critic = RefinementNet(SMALL_REFINEMENT), PatchDiscriminator(SMALL_REFINEMENT)
     refined = net(images[0], visible)
     masks = Masks(visible, (visible > 0.9).float(), (visible < 0.1).float())
     losses = refinement_losses(refined, images[1], masks, PyramidFeatures(2), critic(refined))
@@ -147,8 +146,8 @@ def test_merging_keeps_what_was_visible(images):
 
 @pytest.mark.parametrize("model_class", [RefinementNet, PatchDiscriminator])
 def test_a_checkpoint_brings_back_the_model(model_class, images, visible, tmp_path):
-    model = model_class(SMALL).eval()
-    save_checkpoint(tmp_path / "model.safetensors", model, SMALL)
+    model = model_class(SMALL_REFINEMENT).eval()
+    save_checkpoint(tmp_path / "model.safetensors", model, SMALL_REFINEMENT)
     loaded = load_checkpoint(tmp_path / "model.safetensors", model_class)
     inputs = (images[0], visible) if model_class is RefinementNet else (images[0],)
     assert torch.equal(loaded(*inputs), model(*inputs))

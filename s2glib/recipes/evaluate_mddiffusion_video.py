@@ -1,0 +1,133 @@
+"""How well a picture is made to move: errors against the true film, and keypoints against wrists.
+
+MDD shows pictures; here every film has a true one. Errors are shares of those that the first frame
+makes when it is simply kept, in the quarter of the pixels that move most, on hands, and on faces.
+
+Paper:    - (MDD E, Fig. E1 and I say in words and pictures what is measured here)
+Notebook: notebooks/04_repairing_pixels.ipynb
+"""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import torch
+
+from s2glib.checkpoint import load_checkpoint
+from s2glib.corpus import HELD_OUT, PORTRAIT
+from s2glib.papers.mddiffusion import KeypointPredictor, MotionDecoupler, RefinementNet
+from s2glib.recipes.mddiffusion_ablation import SEEDS, STAGE
+from s2glib.recipes.report import Row, over_draws, ratio
+from s2glib.recipes.video_data import (
+    TEST_CLIPS,
+    TRAIN_CLIPS,
+    VideoFrames,
+    films,
+    scenes,
+    starting_keypoints,
+)
+from s2glib.recipes.video_scores import RegionErrors, film_errors, wrists_explained
+
+_SEED = 11
+
+
+def evaluate_mddiffusion_video(folder: Path) -> list[Row]:
+    """All rows for the checkpoints of a folder, on films of test clips.
+
+    Raises:
+        FileNotFoundError: if a checkpoint is missing.
+    """
+    decoupler = load_checkpoint(folder / "mddiffusion-decoupling.safetensors", MotionDecoupler)
+    refiner = load_checkpoint(folder / "mddiffusion-refinement.safetensors", RefinementNet)
+    size = decoupler.config.size
+    train = VideoFrames(films(scenes("train", TRAIN_CLIPS), size))
+    test = VideoFrames(films(scenes("test", TEST_CLIPS), size))
+    return [
+        *error_rows(film_errors(decoupler, test, refiner)),
+        *wrist_rows(decoupler, train, test),
+        *generalisation_rows(decoupler, refiner),
+    ]
+
+
+def error_rows(errors: RegionErrors) -> list[Row]:
+    """Region by region: before and after refinement, and what needs no network."""
+    moving = errors.moving
+    rows = [
+        ratio("moving region / copied, refined", moving.refined, moving.copied),
+        ratio("moving region / copied, decoupler", moving.made, moving.copied),
+        ratio("moving region / copied, bent only", moving.warped, moving.copied),
+        ratio("moving region / copied, mean frame", moving.mean, moving.copied),
+    ]
+    for region, there in (("hand", errors.hand), ("face", errors.face)):
+        rows += [
+            ratio(f"{region} region / copied, refined", there.refined, there.copied),
+            ratio(f"{region} region, refined / decoupler", there.refined, there.made),
+        ]
+    return rows
+
+
+def wrist_rows(decoupler: MotionDecoupler, train: VideoFrames, test: VideoFrames) -> list[Row]:
+    """Whether keypoints tell where the wrists are, and whether training had a part in it.
+
+    The untrained network has the same start, keypoints included.
+    """
+    config = decoupler.config
+    torch.manual_seed(_SEED)
+    untrained = KeypointPredictor(config)
+    rng = np.random.default_rng(_SEED)
+    untrained.start_at(starting_keypoints(train, config.transforms, config.points, rng))
+    n = len(test.lengths)
+    before, after = (
+        float(wrists_explained(predictor, train, test).mean())
+        for predictor in (untrained.eval(), decoupler.keypoints)
+    )
+    return [
+        Row("wrists in keypoints, R2", after, n),
+        Row("wrists in keypoints, R2, untrained", before, n),
+        Row("wrists in keypoints, R2 above untrained", after - before, n),
+    ]
+
+
+def generalisation_rows(decoupler: MotionDecoupler, refiner: RefinementNet) -> list[Row]:
+    """The same gestures by a known person in known clothes, in unknown ones, and by a stranger.
+
+    [MDD I]
+    """
+    known = [shot for shot in scenes("test", TEST_CLIPS) if shot.cell.speaker == "voice_01"]
+    rows = []
+    for name, look in (("known clothes", None), ("new clothes", HELD_OUT), ("stranger", PORTRAIT)):
+        shots = [shot._replace(appearance=look or shot.appearance) for shot in known]
+        video = VideoFrames(films(shots, decoupler.config.size))
+        errors = film_errors(decoupler, video, refiner).moving
+        rows.append(ratio(f"moving region / copied, {name}", errors.refined, errors.copied))
+    return rows
+
+
+def ablation_rows(runs: Path) -> list[Row]:
+    """The recorded short runs of `mddiffusion_ablation`; intervals are ranges over the seeds.
+
+    Raises:
+        FileNotFoundError: if a record is missing.
+    """
+    records = [json.loads((runs / f"{STAGE}-teaching-{seed}.json").read_text()) for seed in SEEDS]
+
+    def compared(name: str, this: str, other: str) -> Row:
+        figures = [record["figures"] for record in records]
+        values = np.array([one[this] / one[other] for one in figures])
+        return over_draws(f"short runs: {name}", values, len(SEEDS))._replace(recorded=True)
+
+    rows = [
+        compared(
+            f"{region}, splines / affine{how}", f"splines{how}: {region}", f"affine{how}: {region}"
+        )
+        for region in ("moving", "hand", "face")
+        for how in ("", ", refined")
+    ]
+    rows += [
+        compared(
+            f"{region}, {kind}, refined / not", f"{kind}, refined: {region}", f"{kind}: {region}"
+        )
+        for region in ("hand", "face")
+        for kind in ("splines", "affine")
+    ]
+    return [*rows, compared("four speakers / one", "four speakers: moving", "one speaker: moving")]
