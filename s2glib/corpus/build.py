@@ -137,9 +137,10 @@ def speech_set(
     )
 
 
-def motion_set(cells: Iterable[Cell], *, processes: int | None = None) -> MotionSet:
+def motion_set(wanted: Iterable[Cell | Request], *, processes: int | None = None) -> MotionSet:
     """Poses of the requested clips, rendered where the cache lacks them."""
-    found = _gather("motion", [Request(cell) for cell in cells], _render_poses, processes)
+    requests = [Request(each) if isinstance(each, Cell) else each for each in wanted]
+    found = _gather("motion", requests, _render_poses, processes)
     return MotionSet([entry["poses"] for entry in found], 30)
 
 

@@ -14,6 +14,7 @@ from jaxtyping import Bool, Float, Int
 from torch import Tensor, nn
 
 from s2glib.checkpoint import load_checkpoint
+from s2glib.corpus.build import Request
 from s2glib.corpus.script import split
 from s2glib.diffusion import NoiseSchedule, add_noise
 from s2glib.papers.amuse.config import DENOISER_PRESETS, SpeechConfig
@@ -31,6 +32,7 @@ from s2glib.recipes.fit import Chance, Course
 from s2glib.recipes.motion_data import (
     MotionWindows,
     SpeechOfClips,
+    edited_performances,
     motion_cells,
     motion_windows,
     speech_row,
@@ -39,7 +41,7 @@ from s2glib.recipes.speech_data import FactorTable
 from s2glib.recipes.stage import Stage
 
 DENOISER = Course(
-    steps=24000,
+    steps=30000,
     batch=64,
     learning_rate=1e-3,
     betas=(0.9, 0.99),
@@ -132,7 +134,8 @@ class GestureData:
 
     Args:
         windows: motion of clips whose speech is known.
-        rows: row of each clip's speech.
+        rows: row of the speech that each clip follows.
+        felt: row of the speech whose emotion it shows: another one where the clip is an edit.
         speech: what the disentangler hears in each speech clip.
         prior: the trained motion prior.
         config: of the disentangler.
@@ -142,22 +145,24 @@ class GestureData:
         self,
         windows: MotionWindows,
         rows: np.ndarray,
+        felt: np.ndarray,
         speech: SpeechOfClips,
         prior: MotionPrior,
         config: SpeechConfig,
     ):
-        self.windows, self.rows, self.speech = windows, torch.from_numpy(rows), speech
+        self.windows, self.speech = windows, speech
+        self.rows, self.felt = torch.from_numpy(rows), torch.from_numpy(felt)
         self.prior, self.config = prior, config
         self.spread = SpeechLatents(*(latent.std(0) for latent in speech.latents))
         self.of_sentence = _rows_by([cell.sentence for cell in windows.cells], rows)
-        self.of_emotion = _rows_by([cell.emotion for cell in windows.cells], rows)
+        self.of_emotion = _rows_by([cell.emotion for cell in windows.cells], felt)
 
     def draw(self, model: LatentDenoiser, course: Course, chance: Chance) -> DenoiserStep:
         """Windows from anywhere, conditions with fresh noise, some of them dropped."""
         count = course.batch
         clips = chance.rng.integers(len(self.windows.cells), size=count)
         offsets = self.windows.any_offset(clips, chance.rng)
-        speech = self.speech.take(self.rows[torch.from_numpy(clips)])
+        speech = self.heard(clips)
         latents = self._with_donors(speech.latents, clips, chance)
         condition = self._condition(speech._replace(latents=latents), offsets)
         noisy = SpeechLatents(
@@ -193,7 +198,14 @@ class GestureData:
 
     def condition(self, clips: np.ndarray, offsets: np.ndarray) -> SpeechCondition:
         """What the speech of these clips asks of windows at these frames."""
-        return self._condition(self.speech.take(self.rows[torch.from_numpy(clips)]), offsets)
+        return self._condition(self.heard(clips), offsets)
+
+    def heard(self, clips: np.ndarray) -> SpeechOfClips:
+        """The speech that these clips follow, with the emotion that they show."""
+        index = torch.from_numpy(clips)
+        speech = self.speech.take(self.rows[index])
+        emotion = self.speech.latents.emotion[self.felt[index]]
+        return speech._replace(latents=speech.latents._replace(emotion=emotion))
 
     def _condition(self, speech: SpeechOfClips, offsets: np.ndarray) -> SpeechCondition:
         begin = torch.from_numpy(offsets)[:, None] / MOTION_FPS
@@ -240,11 +252,13 @@ def train_denoiser(stage: Stage, prior: MotionPrior) -> None:
     folder = stage.folder / "checkpoints"
     speech = load_checkpoint(folder / "amuse-disentangler.safetensors", SpeechDisentangler)
     torch.manual_seed(stage.seed)
-    spoken, cells = split("train"), motion_cells()
-    windows = motion_windows(cells, prior.features, prior.config.frames)
+    spoken, performed = split("train"), [*map(Request, motion_cells()), *edited_performances()]
+    windows = motion_windows(performed, prior.features, prior.config.frames)
+    followed = [c._replace(emotion=clock_of or c.emotion) for c, clock_of in performed]
+    rows, felt = speech_row(followed, spoken), speech_row(windows.cells, spoken)
     stress = load_checkpoint(folder / "amuse-stress.safetensors", StressListener)
     heard = speech_of(speech, stress, factor_table("train", speech.config))
-    data = GestureData(windows, speech_row(cells, spoken), heard, prior, speech.config)
+    data = GestureData(windows, rows, felt, heard, prior, speech.config)
     denoiser = LatentDenoiser(DENOISER_PRESETS[stage.preset])
     weights = balance_latents(denoiser, prior, windows, stage.seed)
     course = stage.course(DENOISER)

@@ -12,12 +12,13 @@ import torch
 from jaxtyping import Float
 from torch import Tensor
 
-from s2glib.corpus.build import motion_set
+from s2glib.corpus.build import Request, motion_set
 from s2glib.corpus.script import EMOTIONS, Cell, speech_take, split
 from s2glib.papers.amuse.disentangler import SpeechLatents
 from s2glib.papers.amuse.motion_features import MotionFeatures, motion_features
 
 FURTHER_TAKES = range(10, 16)  # of the motion takes; more cost rendering time only
+EDITED_TAKES = range(16, 20)  # of the motion takes; performed on another emotion's clock
 
 
 class MotionWindows:
@@ -74,9 +75,27 @@ def motion_cells() -> list[Cell]:
     return [*split("train"), *performances]
 
 
-def motion_windows(cells: list[Cell], features: MotionFeatures, frames: int) -> MotionWindows:
+def edited_performances() -> list[Request]:
+    """What a swap of the emotion should look like: further takes on another emotion's clock.
+
+    Emotion and speech of a performance are both heard in the training clips, in two of them.
+    """
+    train, rng = set(split("train")), np.random.default_rng(EDITED_TAKES.start)
+    found = []
+    for cell in split("motion"):
+        clock = str(rng.choice([name for name in EMOTIONS if name != cell.emotion]))
+        heard = cell._replace(take=speech_take(cell.take))
+        if cell.take in EDITED_TAKES and {heard, heard._replace(emotion=clock)} <= train:
+            found.append(Request(cell, clock))
+    return found
+
+
+def motion_windows(
+    wanted: Sequence[Cell] | Sequence[Request], features: MotionFeatures, frames: int
+) -> MotionWindows:
     """Render (or read) the motion of cells."""
-    return MotionWindows(cells, motion_set(cells).poses, features, frames)
+    cells = [each.cell if isinstance(each, Request) else each for each in wanted]
+    return MotionWindows(cells, motion_set(wanted).poses, features, frames)
 
 
 def fit_features(cells: list[Cell], size: int) -> MotionFeatures:

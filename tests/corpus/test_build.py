@@ -82,6 +82,13 @@ def test_cached_poses_are_the_rendered_ones_in_the_order_asked_for(cache):
     assert len(list(cache.rglob("*.npz"))) == 2  # one file a sentence and speaker
 
 
+def test_motion_on_another_emotions_clock_is_a_clip_of_its_own(cache):
+    own, slow = motion_set([CELL, Request(CELL, "sadness")]).poses
+    expected = render_motion(CELL, clock_of="sadness").motion.poses.numpy().astype(np.float16)
+    assert np.array_equal(slow, expected)
+    assert len(own) != len(slow)
+
+
 def test_what_the_cache_holds_is_not_rendered_again(cache, monkeypatch):
     first = motion_set([CELL]).poses[0]
     motion_set([CELL, CELL._replace(take=1)])  # joins the same file

@@ -70,7 +70,16 @@ def gesture_data(windows):
     latents = SpeechLatents(torch.randn(64, 64), torch.randn(64, 6), torch.randn(64, 7))
     speech = SpeechOfClips(latents, torch.randn(64, 352, 3))
     prior = MotionPrior(PRIOR).eval()
-    return amuse_gestures.GestureData(windows, np.arange(64)[::-1].copy(), speech, prior, SPEECH)
+    rows = np.arange(64)[::-1].copy()
+    return amuse_gestures.GestureData(windows, rows, np.roll(rows, 1), speech, prior, SPEECH)
+
+
+def test_an_edit_has_the_emotion_of_its_own_clip_and_the_words_of_the_one_it_follows(gesture_data):
+    latents = gesture_data.speech.latents
+    heard = gesture_data.heard(np.array([5, 0])).latents
+    assert torch.equal(heard.content, latents.content[[58, 63]])
+    assert torch.equal(heard.style, latents.style[[58, 63]])
+    assert torch.equal(heard.emotion, latents.emotion[[59, 0]])
 
 
 def chance(progress=0.0, seed=0):

@@ -2,9 +2,10 @@ import numpy as np
 import pytest
 import torch
 
-from s2glib.corpus import Cell
+from s2glib.corpus import Cell, split
 from s2glib.papers.amuse import SpeechLatents, UpperBodyFeatures
 from s2glib.recipes import MotionWindows, SpeechOfClips, speech_row
+from s2glib.recipes.motion_data import EDITED_TAKES, edited_performances
 
 LENGTHS = (50, 12, 30)
 CELLS = [Cell(0, "voice_01", emotion, 10) for emotion in ("anger", "neutral", "fear")]
@@ -71,3 +72,13 @@ def test_speech_of_some_clips_keeps_its_parts_together():
     some = speech.take(torch.tensor([3, 1]))
     assert some.latents.style.flatten().tolist() == [5, 3]
     assert some.rhythm.flatten().tolist() == [3, 1]
+
+
+def test_an_edited_performance_is_of_two_training_clips_that_differ_in_emotion():
+    train, edits = set(split("train")), edited_performances()
+    assert len(edits) > 8000
+    for cell, clock in edits:
+        heard = cell._replace(take=cell.take % 2)
+        assert cell.take in EDITED_TAKES
+        assert clock != cell.emotion
+        assert {heard, heard._replace(emotion=clock)} <= train
