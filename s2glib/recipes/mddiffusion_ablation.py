@@ -26,7 +26,7 @@ from s2glib.recipes.video_data import (
 from s2glib.recipes.video_scores import film_errors
 
 STAGE = "mddiffusion-ablation"
-STEPS = 600  # of a decoupler
+STEPS = 400  # of a decoupler
 REPAIRS = 0.4  # as many steps for a refinement
 SEEDS = (0, 1, 2)
 
