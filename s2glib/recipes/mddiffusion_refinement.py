@@ -62,7 +62,7 @@ LESSONS = {
             weight_decay=1e-4,
             slower={"discriminator": 1 / 6},
         ),
-        {"perceptual": 1.0},  # of colours and edges, not of VGG-16
+        {"perceptual": 1.0, "style": 20.0},  # of colours and edges, not of VGG-16
     ),
 }
 LESSONS["teaching-128"] = LESSONS["teaching"]
