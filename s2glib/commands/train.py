@@ -15,12 +15,20 @@ STAGES = {
     "mddiffusion-refinement": "s2glib.recipes.mddiffusion_refinement",
     "mddiffusion-ablation": "s2glib.recipes.mddiffusion_ablation",
 }
+TAKES_DATA = ("mddiffusion-decoupling", "mddiffusion-refinement")
 
 
 def describe(parser: ArgumentParser) -> None:
     """The command's arguments."""
     parser.add_argument("stage", choices=STAGES, metavar="STAGE", help=", ".join(STAGES))
     parser.add_argument("--preset", choices=("teaching", "paper"), default="teaching")
+    parser.add_argument(
+        "--data",
+        type=Path,
+        metavar="FOLDER",
+        help=f"films of your own instead of the corpus, see s2glib/data/films.py; for "
+        f"{' and '.join(TAKES_DATA)}",
+    )
     parser.add_argument("--out", type=Path, default=Path("trained"), help="for files of the stage")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--steps", type=int, help="instead of the recipe's number")
@@ -28,7 +36,17 @@ def describe(parser: ArgumentParser) -> None:
 
 
 def run(options: Namespace) -> int:
-    """Train."""
+    """Train.
+
+    Raises:
+        ValueError: if the stage cannot take the data, or the data is not as it should be.
+        FileNotFoundError: if the data or an earlier stage's checkpoint is missing.
+    """
+    if options.data is not None and options.stage not in TAKES_DATA:
+        raise ValueError(
+            f"{options.stage} trains on the corpus only; leave out --data, which is for "
+            f"{' and '.join(TAKES_DATA)}"
+        )
     from importlib import import_module
 
     from s2glib.recipes.stage import Stage
@@ -40,6 +58,7 @@ def run(options: Namespace) -> int:
         seed=options.seed,
         steps=options.steps,
         resume=options.resume,
+        data=options.data,
     )
     import_module(STAGES[options.stage]).train(stage)
     return 0

@@ -22,22 +22,17 @@ from s2glib.papers.mddiffusion import (
     decoupling_losses,
 )
 from s2glib.recipes.fit import Chance, Course
+from s2glib.recipes.footage import train_and_test
 from s2glib.recipes.image_augmentation import Augmentation
 from s2glib.recipes.stage import Stage
-from s2glib.recipes.video_data import (
-    TEST_CLIPS,
-    TRAIN_CLIPS,
-    VideoFrames,
-    films,
-    scenes,
-    starting_keypoints,
-)
+from s2glib.recipes.video_data import VideoFrames, starting_keypoints
 from s2glib.recipes.video_scores import film_errors, wrists_explained
 from s2glib.warping import ThinPlateSpline, random_tps
 
 VGG_19 = "weights/vgg19-dcbb9e9d.pth"  # in the cache folder, if the reader has put it there
 DROPOUT = 0.5  # share of the warps; authors' code
 DROPOUT_RISES, DROPOUT_ENDS = 0.05, 0.175  # shares of the course; authors' code
+MEASURED = ("made", "warped", "mean")
 
 
 @dataclass(frozen=True)
@@ -169,10 +164,10 @@ def fit_decoupler(
 def train(stage: Stage) -> None:
     """The stage `mddiffusion-decoupling`."""
     config = DECOUPLING_PRESETS[stage.preset]
-    video = VideoFrames(films(scenes("train", TRAIN_CLIPS), config.size))
+    video, test = train_and_test(stage.data, config.size)
     model, record = fit_decoupler(stage, stage.name, config, LESSONS[stage.preset], video)
-    test = VideoFrames(films(scenes("test", TEST_CLIPS), config.size))
     shares = film_errors(model, test).moving.shares()
-    figures = {f"{name} / copied": shares[name] for name in ("made", "warped", "mean")}
-    figures["wrists R2"] = float(wrists_explained(model.keypoints, video, test).mean())
+    figures = {f"{name} / copied": shares[name] for name in shares if name in MEASURED}
+    if video.has_keypoints and test.has_keypoints:
+        figures["wrists R2"] = float(wrists_explained(model.keypoints, video, test).mean())
     stage.publish(stage.name, model, record, figures)

@@ -1,6 +1,7 @@
 """Train the refinement network and its discriminator on what the decoupler makes.
 
-Both take their step together. Masks of hands and faces are exact: the renderer knows them.
+Both take their step together. Masks of hands and faces are exact where the renderer knows them; of
+films without such masks, hands and faces weigh no more than anything else.
 
 Paper:    MDD B.3, B.5
 Notebook: notebooks/04_repairing_pixels.ipynb
@@ -27,10 +28,12 @@ from s2glib.papers.mddiffusion import (
     refinement_losses,
 )
 from s2glib.recipes.fit import Chance, Course
+from s2glib.recipes.footage import train_and_test
 from s2glib.recipes.stage import Stage
-from s2glib.recipes.video_data import TEST_CLIPS, TRAIN_CLIPS, VideoFrames, films, scenes
+from s2glib.recipes.video_data import VideoFrames
 from s2glib.recipes.video_scores import film_errors
 
+MEASURED = ("made", "refined")
 VGG_16 = "weights/vgg16-397923af.pth"  # in the cache folder, if the reader has put it there
 
 
@@ -165,14 +168,13 @@ def train(stage: Stage) -> None:
     """The stage `mddiffusion-refinement`; the decoupler's checkpoint must be there."""
     file = stage.folder / "checkpoints" / "mddiffusion-decoupling.safetensors"
     decoupler = load_checkpoint(file, MotionDecoupler)
-    size = decoupler.config.size
-    video = VideoFrames(films(scenes("train", TRAIN_CLIPS), size))
+    video, test = train_and_test(stage.data, decoupler.config.size)
     model, record = fit_refiner(stage, stage.name, decoupler, LESSONS[stage.preset], video)
-    test = VideoFrames(films(scenes("test", TEST_CLIPS), size))
     regions = film_errors(decoupler, test, model)._asdict()
     figures = {
-        f"{region}, {name} / copied": errors.shares()[name]
+        f"{region}, {name} / copied": share
         for region, errors in regions.items()
-        for name in ("made", "refined")
+        for name, share in errors.shares().items()
+        if name in MEASURED
     }
     stage.publish(stage.name, model, record, figures)

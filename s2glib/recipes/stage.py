@@ -34,6 +34,7 @@ class Stage:
         seed: of everything.
         steps: overrides the course's own number.
         resume: go on from the saved state, where there is one.
+        data: a folder of films, instead of the corpus; for the video stages.
     """
 
     name: str
@@ -42,6 +43,7 @@ class Stage:
     seed: int = 0
     steps: int | None = None
     resume: bool = False
+    data: Path | None = None
 
     def course(self, course: Course) -> Course:
         """A course with this stage's seed and length."""
@@ -109,7 +111,8 @@ class Stage:
         runs.write_text(json.dumps(whole, indent=1) + "\n", encoding="utf8")
 
     def _known(self, record: dict[str, Any]) -> dict[str, Any]:
-        return {"recipe": self.name, "seed": self.seed, "steps": record["course"]["steps"]}
+        known = {"recipe": self.name, "seed": self.seed, "steps": record["course"]["steps"]}
+        return known | ({"data": self.data.resolve().name} if self.data else {})
 
 
 def _means(rows: list[dict[str, float]]) -> dict[str, float]:

@@ -44,7 +44,10 @@ class Scene(NamedTuple):
 
 
 class Film(NamedTuple):
-    """A clip as pictures, which part of the speaker every pixel shows, and its true keypoints."""
+    """A clip as pictures, which part of the speaker every pixel shows, and its true keypoints.
+
+    Where they are not known, parts are background and keypoints NaN.
+    """
 
     frames: UInt8[np.ndarray, "t h w 3"]
     parts: UInt8[np.ndarray, "t h w"]
@@ -113,7 +116,7 @@ class VideoFrames:
     Attributes:
         frames: (n, 3, h, w), bytes.
         parts: (n, h, w), see `corpus.Part`.
-        keypoints: (n, 55, 2), true ones.
+        keypoints: (n, 55, 2), true ones, or NaN.
         starts: the first row of each clip.
         lengths: how many frames each clip has.
         motion: (clips, 1, h, w), how much each pixel changes over its clip (0 .. 1).
@@ -128,6 +131,11 @@ class VideoFrames:
         keypoints = np.concatenate([film.keypoints for film in clips])
         self.keypoints = torch.from_numpy(keypoints).float()
         self.motion = torch.stack([pixel_motion(film.frames) for film in clips])
+
+    @property
+    def has_keypoints(self) -> bool:
+        """Whether those of all frames are known."""
+        return bool(self.keypoints.isfinite().all())
 
     def images(self, rows: np.ndarray | Tensor) -> Float[Tensor, "batch 3 h w"]:
         """Pictures in 0 .. 1."""

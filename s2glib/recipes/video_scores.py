@@ -37,8 +37,13 @@ class Errors(NamedTuple):
     mean: Float[np.ndarray, " films"]
 
     def shares(self) -> dict[str, float]:
-        """Each error over that of copying the source."""
+        """Each error over that of copying the source; none where that is 0.
+
+        It is 0 where no film shows the region, or nothing moves in it.
+        """
         copied = float(self.copied.mean())
+        if not copied:
+            return {}
         return {name: float(error.mean()) / copied for name, error in self._asdict().items()}
 
 

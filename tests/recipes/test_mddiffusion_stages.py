@@ -6,12 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import torch
+from film_folder import write_film
 from small_video import SMALL_DECOUPLING, SMALL_REFINEMENT, noise_film
 
-from s2glib.checkpoint import load_checkpoint
+from s2glib.checkpoint import load_checkpoint, read_metadata
 from s2glib.layers import PyramidFeatures
 from s2glib.papers.mddiffusion import MotionDecoupler, PatchDiscriminator, RefinementNet
-from s2glib.recipes import Chance, Course, Stage, Training
+from s2glib.recipes import Chance, Course, Stage, Training, footage
 from s2glib.recipes import mddiffusion_ablation as ablation
 from s2glib.recipes import mddiffusion_decoupling as decoupling
 from s2glib.recipes import mddiffusion_refinement as refinement
@@ -130,8 +131,8 @@ def short(monkeypatch, rng):
         monkeypatch.setitem(recipe.LESSONS, "teaching", lesson)
         monkeypatch.setitem(getattr(recipe, presets), "teaching", config)
     monkeypatch.setitem(ablation.DECOUPLING_PRESETS, "teaching", SMALL_DECOUPLING)
-    for recipe in (decoupling, refinement, ablation):
-        monkeypatch.setattr(recipe, "films", lambda shots, size: [noise_film(rng) for _ in shots])
+    for module in (footage, ablation):
+        monkeypatch.setattr(module, "films", lambda shots, size: [noise_film(rng) for _ in shots])
 
 
 def test_both_stages_run_and_leave_their_checkpoints(tmp_path, short):
@@ -143,6 +144,45 @@ def test_both_stages_run_and_leave_their_checkpoints(tmp_path, short):
     run = json.loads((tmp_path / "runs" / "mddiffusion-decoupling-teaching-0.json").read_text())
     assert set(run["figures"]) == {"made / copied", "warped / copied", "mean / copied", "wrists R2"}
     assert np.isfinite(list(run["figures"].values())).all()
+
+
+@pytest.fixture
+def own(tmp_path, rng):
+    """Run both stages on two films of noise with what is given beside the frames."""
+
+    def run(**given):
+        folder = tmp_path / "own"
+        for name in ("a", "b"):
+            write_film(folder / name, noise_film(rng).frames, **given)
+        for recipe, stage in ((decoupling, "decoupling"), (refinement, "refinement")):
+            recipe.train(Stage(f"mddiffusion-{stage}", tmp_path, steps=1, data=folder))
+        return (
+            read_metadata(tmp_path / "checkpoints" / f"mddiffusion-{stage}.safetensors")
+            for stage in ("decoupling", "refinement")
+        )
+
+    return run
+
+
+def test_on_films_of_ones_own_all_is_measured_that_is_known(short, own, rng):
+    hands = rng.random((12, 32, 32)) < 0.2
+    first, second = own(hands=hands, face=~hands, keypoints=rng.uniform(2, 30, (12, 55, 2)))
+    assert first["data"] == second["data"] == "own"
+    assert first["figures"].keys() == {
+        *("made / copied", "warped / copied", "mean / copied", "wrists R2")
+    }
+    assert second["figures"].keys() == {
+        f"{region}, {name} / copied"
+        for region in ("moving", "hand", "face")
+        for name in ("made", "refined")
+    }
+    assert np.isfinite([*first["figures"].values(), *second["figures"].values()]).all()
+
+
+def test_on_films_without_masks_and_keypoints_only_what_moves_is_measured(short, own):
+    first, second = own()
+    assert first["figures"].keys() == {"made / copied", "warped / copied", "mean / copied"}
+    assert second["figures"].keys() == {"moving, made / copied", "moving, refined / copied"}
 
 
 def test_the_ablation_leaves_one_record_of_all_its_runs(tmp_path, short):

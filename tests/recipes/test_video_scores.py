@@ -80,6 +80,10 @@ def test_shares_are_of_the_copys_error():
     assert errors.shares() == pytest.approx(expected)
 
 
+def test_there_are_no_shares_where_copying_is_perfect():
+    assert Errors(*(np.zeros(2) for _ in Errors._fields)).shares() == {}
+
+
 def test_keypoints_on_the_wrist_explain_it_and_blind_ones_do_not(video):
     assert (wrists_explained(Corners(), video, video) > 0.98).all()
     assert wrists_explained(Corners(blind=True), video, video) == pytest.approx(

@@ -1,6 +1,6 @@
 """From one picture of a person, and motion from anywhere, to a film of that person.
 
-Paper:    MDD 3.2, Fig. 2; refinement: B.3
+Paper:    MDD B.1 (animation), B.3 (refinement)
 Notebook: notebooks/04_repairing_pixels.ipynb
 """
 
