@@ -21,10 +21,11 @@ from nbconvert import HTMLExporter
 from s2glib.body import mannequin
 from s2glib.teaching.build import NOTEBOOKS, ROOT
 from s2glib.teaching.keeping import as_text, content_of
+from s2glib.widgets import film_player, player
 from s2glib.widgets.packing import pack_mesh
-from s2glib.widgets.page import LOCAL_SCRIPT
-from s2glib.widgets.player import STYLE
+from s2glib.widgets.playback import STYLE, read_parts
 
+PARTS_OF_PLAYERS = dict.fromkeys((*player.PARTS, *film_player.PARTS, "local.js"))
 TEMPLATES = Path(__file__).parent / "pages"
 MATHJAX = "sphinx-mathjax-offline"  # of this package only MathJax itself is wanted, one file
 PAPERS = {"PT": "ProbTalk", "AM": "AMUSE", "MDD": "S2G-MDDiffusion"}
@@ -65,7 +66,12 @@ class Chapter(NamedTuple):
     @property
     def plays(self) -> bool:
         """Whether there is a player on the page."""
-        return '<div class="place">' in self.body
+        return '<div class="place' in self.body
+
+    @property
+    def has_bodies(self) -> bool:
+        """Whether one of them shows the body."""
+        return '<div class="place body">' in self.body
 
 
 def write_book(notebooks: Sequence[Path], folder: Path) -> Path:
@@ -129,7 +135,7 @@ def shared_files() -> dict[str, str]:
     """What all pages use, by file name."""
     mathjax = distribution(MATHJAX).locate_file(f"{MATHJAX}/static/mathjax/tex-svg.js")
     return {
-        "book.css": (TEMPLATES / "book.css").read_text("utf-8") + STYLE,
+        "book.css": (TEMPLATES / "book.css").read_text("utf-8") + STYLE + film_player.FILM_STYLE,
         "mannequin.js": f'window.mannequin = "{as_text(pack_mesh(mannequin()))}";\n',
         "mathjax.js": Path(str(mathjax)).read_text("utf-8"),
     }
@@ -138,7 +144,7 @@ def shared_files() -> dict[str, str]:
 def rendered(chapters: Sequence[Chapter], exporter: HTMLExporter) -> Iterator[tuple[str, str]]:
     """Every page, by file name."""
     contents, page = map(exporter.environment.get_template, ("contents.html.j2", "chapter.html.j2"))
-    script = LOCAL_SCRIPT + (TEMPLATES / "book.js").read_text("utf-8")
+    script = read_parts(*PARTS_OF_PLAYERS) + (TEMPLATES / "book.js").read_text("utf-8")
     neighbours = zip([None, *chapters], chapters, [*chapters[1:], None], strict=False)
     yield "index.html", contents.render(parts=list(parted(chapters)))
     for before, chapter, after in neighbours:

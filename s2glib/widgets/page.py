@@ -1,4 +1,4 @@
-"""The player as one file: a page with body and sound inside, which plays offline by double click.
+"""The players as one file: a page with all that it plays inside, which needs nothing but a browser.
 
 A minute of two motions and their sound is 5 MB; browsers open ten minutes in seconds.
 
@@ -16,17 +16,12 @@ from s2glib.audio.io import Waveform
 from s2glib.body.motion import Motion
 from s2glib.body.skinning import BodyModel
 from s2glib.body.whole_file import whole_file
+from s2glib.viz.film import Frames
+from s2glib.widgets import film_player, player
+from s2glib.widgets.film_packing import pack_films
 from s2glib.widgets.packing import pack_mesh, pack_motion, pack_sound
-from s2glib.widgets.player import (
-    HERE,
-    SCRIPT,
-    STYLE,
-    check_body,
-    check_waveform,
-    named_motions,
-)
+from s2glib.widgets.playback import Playback, check_waveform, read_parts
 
-LOCAL_SCRIPT = SCRIPT + (HERE / "local.js").read_text("utf-8")
 PIECE = 3 << 20  # bytes that are turned into text together; a multiple of three
 PAGE = """<!doctype html>
 <html lang="en">
@@ -39,13 +34,16 @@ PAGE = """<!doctype html>
 <main class="s2g-page">
 <h1>{title}</h1>
 <p>{text}</p>
-<div id="choices" class="s2g-choices" role="group" aria-label="Which motion"></div>
 <div id="player"></div>
 </main>
 <script type="application/json" id="content">{content}</script>
 <script type="module">
 {script}</script>
 </html>
+"""
+OPEN = """
+const content = JSON.parse(document.getElementById("content").textContent);
+{opener}(content, document.getElementById("player"));
 """
 
 
@@ -76,21 +74,69 @@ def write_html(
         TypeError: if something else than a motion, a waveform and a body comes.
         ValueError: if there is no motion, `view` names none, or they differ in frames per second.
     """
-    motions = named_motions(motion)
+    motions = player.named_motions(motion)
     check_waveform(waveform)
     if view not in ("", *motions):
         raise ValueError(f"no motion is called {view!r}; there are {tuple(motions)}")
     seconds = max(each.duration for each in motions.values())
-    mesh = pack_mesh(check_body(body))
+    packed = {
+        "mesh": pack_mesh(player.check_body(body)),
+        "motion": pack_motion(motions, body),
+        "sound": pack_sound(waveform, seconds),
+    }
+    facts = {"view": view, "height": height}
+    _write(path, (title, text), facts, packed, player.Player, "openPlayer")
+
+
+def write_film_page(
+    path: str | os.PathLike,
+    frames: Frames | Mapping[str, Frames],
+    fps: float | int,
+    waveform: Waveform | None = None,
+    *,
+    title: str,
+    text: str = "",
+    width: int = 256,
+) -> None:
+    """Write a page that plays films, side by side if several, and their sound.
+
+    Args:
+        path: the file to write; it appears whole or not at all.
+        frames: bytes (t, h, w, 3) or values in 0 .. 1 (t, 3, h, w); or several films by name.
+        fps: frames per second, of all films.
+        waveform: what is heard, or None for silence.
+        title: heading of the page.
+        text: a sentence or two below it.
+        width: of one film, in pixels.
+
+    Raises:
+        TypeError: as `FilmPlayer`.
+        ValueError: as `FilmPlayer`.
+    """
+    film, sheets, sound = pack_films(film_player.named_films(frames), fps, waveform)
+    facts = {"film": film, "width": width, "title": ""}
+    packed = {"sheets": sheets, "sound": sound}
+    _write(path, (title, text), facts, packed, film_player.FilmPlayer, "openFilm")
+
+
+def _write(
+    path: str | os.PathLike,
+    words: tuple[str, str],
+    facts: Mapping[str, object],
+    packed: Mapping[str, bytes],
+    widget: type[Playback],
+    opener: str,
+) -> None:
+    """A page with a title and a text, in which a script opens facts and bytes as a widget does."""
     before, after = PAGE.split("{content}")
-    words = {"title": html.escape(title), "text": html.escape(text)}
-    facts = json.dumps({"view": view, "height": height}).replace("<", "\\u003c")
-    script = LOCAL_SCRIPT + (HERE / "page.js").read_text("utf-8")
+    title, text = map(html.escape, words)
+    known = json.dumps(facts).replace("<", "\\u003c")
+    script = widget._esm + read_parts("local.js") + OPEN.format(opener=opener)
     with whole_file(path) as file:
-        file.write((before.format(**words, style=STYLE) + facts.removesuffix("}")).encode())
-        file.writelines(_member("mesh", mesh))
-        file.writelines(_member("motion", pack_motion(motions, body)))
-        file.writelines(_member("sound", pack_sound(waveform, seconds)))
+        file.write(before.format(title=title, text=text, style=widget._css).encode())
+        file.write(known.removesuffix("}").encode())
+        for name, data in packed.items():
+            file.writelines(_member(name, data))
         file.write(("}" + after.format(script=script)).encode())
 
 

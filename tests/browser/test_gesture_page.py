@@ -1,7 +1,7 @@
 """gesture.html, opened from the disk."""
 
 import pytest
-from browser.test_player_in_lab import NOW, REMEMBER_SOUNDS, picture, views, wait_for_time
+from browser.test_player_in_lab import NOW, REMEMBER_SOUNDS, picture, wait_for_time
 from stand_in import capsule_body, tone, waving_motion
 
 from s2glib.widgets import write_html
@@ -37,8 +37,8 @@ def test_it_ends_at_the_end_and_plays_again(watched, address):
     page.get_by_role("button", name="Play").click()
     page.wait_for_selector(".s2g-player[data-playing=false][data-frame='89']")
     page.get_by_role("button", name="Play").click()
-    page.wait_for_selector(".s2g-player[data-playing=true]")
-    assert views(page, "time")[0] < 2.5
+    page.wait_for_function("() => document.querySelector('.s2g-player').dataset.time < 2.5")
+    assert page.locator(".s2g-player").get_attribute("data-playing") == "true"
 
 
 def test_buttons_choose_the_body(watched, address):

@@ -27,6 +27,7 @@ $a < b$
 
 **inside**
 </details>"""
+FILM = {"film": {"frames": 1}, "sheets": "", "sound": "", "width": 9, "title": ""}
 SILENT = {"motion": "eJwDAAAAAAE=", "sound": "", "view": "</script>", "height": 300}
 
 
@@ -40,16 +41,18 @@ def write(path, number, markdown, outputs=()):
 
 @pytest.fixture(scope="module")
 def small(tmp_path_factory):
-    """A book of two notebooks, page by page."""
+    """A book of three notebooks, page by page."""
     folder = tmp_path_factory.mktemp("notebooks")
     shown = [
         nbformat.v4.new_output("display_data", {"image/png": "AAAA", "text/plain": "figure"}),
         nbformat.v4.new_output("display_data", {"text/markdown": "**Figure.** What to see."}),
         nbformat.v4.new_output("display_data", {"text/plain": "Player"}, metadata={KEPT: SILENT}),
     ]
+    films = [nbformat.v4.new_output("display_data", {"text/plain": "F"}, metadata={KEPT: FILM})]
     notebooks = [
         write(folder / "00_first.ipynb", "00", MARKDOWN, shown),
         write(folder / "05_second.ipynb", "05", "# Second"),
+        write(folder / "06_third.ipynb", "06", "# Third", films),
     ]
     index = book.write_book(notebooks, folder / "pages" / "deep")
     return {path.name: path.read_text("utf-8") for path in index.parent.iterdir()}
@@ -118,6 +121,12 @@ def test_only_a_page_with_a_player_loads_the_body(small):
     assert '<script src="mannequin.js">' in small["00_first.html"]
     assert "mannequin.js" not in small["05_second.html"]
     assert base64.b64decode(re.search('"(.*)"', small["mannequin.js"])[1])
+
+
+def test_a_page_with_a_film_loads_its_player_and_no_body(small):
+    assert "class FilmView" in small["06_third.html"]
+    assert "mannequin.js" not in small["06_third.html"]
+    assert "class FilmView" not in small["05_second.html"]
 
 
 def test_what_a_player_keeps_cannot_end_its_script(small):

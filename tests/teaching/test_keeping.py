@@ -9,11 +9,13 @@ import numpy as np
 import pytest
 import soundfile
 from ipywidgets.embed import dependency_state
+from PIL import Image
 from stand_in import capsule_body, tone, waving_motion
+from stand_in_film import moving_film
 
 from s2glib.body import mannequin
 from s2glib.teaching.keeping import KEPT, WIDGET_STATE, WIDGET_VIEW, content_of, keep_players
-from s2glib.widgets import Player
+from s2glib.widgets import FilmPlayer, Player
 
 MOTION, SOUND = waving_motion(30), tone(1)
 
@@ -64,6 +66,35 @@ def test_a_player_inside_a_demo_is_kept(player):
 def test_silence_stays_silence():
     (metadata,) = keep(Player(MOTION, None, mannequin()))
     assert content_of(metadata[KEPT])["sound"] == ""
+
+
+@pytest.fixture(scope="module")
+def film_player():
+    films = {"a": moving_film(30, 64, 64), "b": moving_film(30, 64, 64)[::-1]}
+    return FilmPlayer(films, 25, SOUND, width=200, title="Two films")
+
+
+def test_a_film_is_kept_smaller_and_looks_the_same(film_player):
+    (metadata,) = keep(film_player)
+    kept = content_of(metadata[KEPT])
+    assert (kept["width"], kept["title"]) == (200, "Two films")
+    assert kept["film"]["films"] == film_player.film["films"]
+    sheets = base64.b64decode(kept["sheets"])
+    assert kept["film"]["lengths"] == [len(sheets)]
+    assert len(sheets) < 0.5 * len(film_player.sheets)
+    small, sent = (
+        np.asarray(Image.open(io.BytesIO(data)).convert("RGB"), float)
+        for data in (sheets, film_player.sheets)
+    )
+    assert np.abs(small - sent).mean() < 4
+
+
+def test_a_film_keeps_its_sound_and_keeping_it_repeats_to_the_byte(film_player):
+    (metadata,) = keep(film_player)
+    assert keep(film_player) == [metadata]
+    kept = base64.b64decode(content_of(metadata[KEPT])["sound"])
+    samples, rate = soundfile.read(io.BytesIO(kept))
+    assert len(samples) / rate == 30 / 25
 
 
 def test_other_widgets_and_other_bodies_leave_no_trace():

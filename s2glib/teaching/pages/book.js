@@ -3,9 +3,9 @@
 
 function openPlace(place) {
   const kept = JSON.parse(place.querySelector("script").textContent);
-  const choices = element("div", { class: "s2g-choices", role: "group", "aria-label": "Which motion" });
-  place.replaceChildren(choices);
-  openPlayer({ ...kept, mesh: window.mannequin }, choices, place);
+  place.replaceChildren();
+  if (kept.film) openFilm(kept, place);
+  else openPlayer({ ...kept, mesh: window.mannequin }, place);
 }
 
 const near = new IntersectionObserver((entries) => {
