@@ -5,7 +5,7 @@ against four together. The runs of a seed are equally long and end early: they s
 what can be reached.
 
 Paper:    MDD E, Fig. E1; I
-Notebook: notebooks/04_repairing_pixels.ipynb
+Notebook: notebooks/19_judging_video.ipynb
 """
 
 from collections.abc import Sequence

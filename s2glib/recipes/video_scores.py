@@ -16,7 +16,8 @@ from s2glib.papers.mddiffusion import MotionDecoupler, RefinementNet
 from s2glib.recipes.video_data import WRISTS, VideoFrames
 
 EVERY = 5  # of the frames of a film, one is scored
-RIDGE = 1e-5  # of the number of frames
+RIDGE = 1e-2  # of the number of frames
+FLAT = 1e-6  # image units; what varies less does not vary
 
 
 class Errors(NamedTuple):
@@ -91,11 +92,14 @@ def keypoint_tracks(
 def wrists_explained(
     predictor: nn.Module, train: VideoFrames, test: VideoFrames
 ) -> Float[np.ndarray, " 4"]:
-    """R^2 of left x, left y, right x, right y: ridge regression on keypoints, on other films."""
+    """R^2 of left x, left y, right x, right y: ridge regression on keypoints, on other films.
+
+    Keypoints are divided by their spread, so that ones that hardly move are heard as well.
+    """
     x, y = keypoint_tracks(predictor, train)
     x_new, y_new = keypoint_tracks(predictor, test)
-    mean_x, mean_y = x.mean(axis=0), y.mean(axis=0)
-    x, x_new = x - mean_x, x_new - mean_x
+    mean_x, mean_y, spread = x.mean(axis=0), y.mean(axis=0), x.std(axis=0) + FLAT
+    x, x_new = (x - mean_x) / spread, (x_new - mean_x) / spread
     penalty = RIDGE * len(x) * np.eye(x.shape[1])
     slope = np.linalg.solve(x.T @ x + penalty, x.T @ (y - mean_y))
     error = np.square(y_new - mean_y - x_new @ slope).sum(axis=0)

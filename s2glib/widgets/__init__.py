@@ -1,8 +1,11 @@
-"""Things to look at and play with in a notebook: the body player, and demos on native controls."""
+"""Things to look at and play with in a notebook: players of bodies and films, demos."""
 
 from s2glib.widgets.demo import Demo, Panel, Slider
 from s2glib.widgets.emotion_swap import EmotionSwapDemo
-from s2glib.widgets.page import write_html
+from s2glib.widgets.film_player import FilmPlayer
+from s2glib.widgets.loss_mixer import LossMixer
+from s2glib.widgets.mask_mixer import MaskMixer
+from s2glib.widgets.page import write_film_page, write_html
 from s2glib.widgets.player import Player
 from s2glib.widgets.shipped_swap import corpus_swap
 from s2glib.widgets.toy_arm import ToyArm
@@ -11,11 +14,15 @@ from s2glib.widgets.tps_pad import TPSPad
 __all__ = [
     "Demo",
     "EmotionSwapDemo",
+    "FilmPlayer",
+    "LossMixer",
+    "MaskMixer",
     "Panel",
     "Player",
     "Slider",
     "TPSPad",
     "ToyArm",
     "corpus_swap",
+    "write_film_page",
     "write_html",
 ]

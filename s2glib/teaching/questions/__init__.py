@@ -1,6 +1,12 @@
 """The questions of all notebooks: one module a notebook, and a way to find them by id."""
 
-from s2glib.teaching.questions import notebook_00, notebook_01, notebook_02
+from s2glib.teaching.questions import (
+    notebook_00,
+    notebook_01,
+    notebook_02,
+    notebook_03,
+    notebook_04,
+)
 from s2glib.teaching.questions.question import Option, Question
 
 __all__ = ["QUESTIONS", "Option", "Question", "find_question"]
@@ -9,6 +15,8 @@ QUESTIONS: tuple[Question, ...] = (
     *notebook_00.QUESTIONS,
     *notebook_01.QUESTIONS,
     *notebook_02.QUESTIONS,
+    *notebook_03.QUESTIONS,
+    *notebook_04.QUESTIONS,
 )
 
 
