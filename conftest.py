@@ -19,8 +19,15 @@ def kernel_environment():
     return settings["tool"]["s2glib"]["kernel-environment"]
 
 
+def keep_compiled_code_apart():
+    """A folder for each worker: two that compile librosa's loops into one crash now and then."""
+    worker = os.environ.get("PYTEST_XDIST_WORKER", "main")
+    os.environ["NUMBA_CACHE_DIR"] = str(HERE / ".cache" / "numba" / worker)
+
+
 def pytest_configure(config):
     """Give nbval its settings, so that a bare `pytest --nbval` does the right thing."""
+    keep_compiled_code_apart()
     option = config.option
     if option.nbval or option.nbval_lax:
         os.environ.update(kernel_environment())

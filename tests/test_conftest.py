@@ -68,3 +68,14 @@ def test_a_notebook_with_exercises_runs_also_solved_and_must_say_the_same(pytest
     ran = pytester.runpytest_subprocess("--nbval", "-p", "no:cacheprovider")
     ran.assert_outcomes(passed=5 * len(CELLS) - 2, failed=2)
     ran.stdout.fnmatch_lines(["FAILED 01_wrong.ipynb[[]solved[]]::Cell 2*"])
+
+
+@pytest.mark.parametrize(("workers", "folder"), [(0, "main"), (1, "gw0")])
+def test_every_worker_compiles_into_a_folder_of_its_own(pytester, monkeypatch, workers, folder):
+    monkeypatch.setenv("NUMBA_CACHE_DIR", "of whoever started this")
+    monkeypatch.delenv("PYTEST_XDIST_WORKER", raising=False)
+    pytester.makeconftest(CONFTEST.read_text() + "\nhas_gpu = bool  # torch loads only once\n")
+    pytester.makeini("[pytest]\nmarkers = gpu")
+    found = "os.path.basename(os.environ['NUMBA_CACHE_DIR'])"
+    pytester.makepyfile(f"import os\ndef test_it(): assert {found} == {folder!r}")
+    assert pytester.runpytest_inprocess("-n", str(workers)).ret == 0
