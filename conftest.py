@@ -1,10 +1,12 @@
 """Options that hold for every test run, wherever pytest is started."""
 
+import gc
 import os
 import pathlib
 import shutil
 import tempfile
 import tomllib
+import warnings
 
 import pytest
 from nbval.plugin import IPyNbFile
@@ -51,7 +53,19 @@ class Notebook(IPyNbFile):
         with pytest.MonkeyPatch.context() as patch:
             patch.setenv("S2G_HOME", self.home.name)
             patch.setenv("S2G_STRICT", self.strict)
+            self.start_kernel()
+
+    def start_kernel(self, tries=3):
+        """Start it again if it dies at once: between choosing its ports and taking them, another
+        kernel may have taken them."""
+        try:
             super().setup()
+        except RuntimeError:
+            if tries == 1:
+                raise
+            with warnings.catch_warnings(action="ignore", category=ResourceWarning):
+                gc.collect()  # what nbval left open for the dead one
+            self.start_kernel(tries - 1)
 
     def teardown(self):
         super().teardown()

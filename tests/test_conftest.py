@@ -79,3 +79,27 @@ def test_every_worker_compiles_into_a_folder_of_its_own(pytester, monkeypatch, w
     found = "os.path.basename(os.environ['NUMBA_CACHE_DIR'])"
     pytester.makepyfile(f"import os\ndef test_it(): assert {found} == {folder!r}")
     assert pytester.runpytest_inprocess("-n", str(workers)).ret == 0
+
+
+@pytest.mark.parametrize(("deaths", "passed"), [(1, 1), (3, 0)])
+def test_a_kernel_that_dies_at_once_is_started_again(pytester, deaths, passed):
+    dying = f"""
+import nbval.plugin
+
+start, deaths = nbval.plugin.IPyNbFile.setup, [{deaths}]
+
+def setup(self):
+    if deaths[0]:
+        deaths[0] -= 1
+        raise RuntimeError("Kernel died before replying to kernel_info")
+    start(self)
+
+nbval.plugin.IPyNbFile.setup = setup
+"""
+    for part in ("pyproject.toml", "sanitize.cfg"):
+        (pytester.path / part).write_text((CONFTEST.parent / part).read_text())
+    pytester.makeconftest(CONFTEST.read_text() + dying)
+    notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell("1 + 1")])
+    nbformat.write(notebook, pytester.path / "only.ipynb")
+    ran = pytester.runpytest_subprocess("--nbval-lax", "only.ipynb", "-p", "no:cacheprovider")
+    assert ran.parseoutcomes().get("passed", 0) == passed

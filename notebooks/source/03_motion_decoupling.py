@@ -129,7 +129,7 @@ report(
 
 # %% [markdown]
 # The paper has 256 pixels and $K = 20$ groups of $N = 5$; this one has 64 pixels and $K = 8$, so that it trains on a
-# laptop.
+# laptop. Head, shoulders and elbows follow. The forearms and hands do not: at this size a hand is four pixels wide.
 #
 # ## 3. Eight warps, each alone
 #
@@ -811,7 +811,7 @@ ask("03-q3")
 # - Three losses: is it the picture, do points move with it, does the flow explain it?
 # - Regions of thin limbs give near-singular handles; learned point sets need not be thin.
 #
-# **Limits.** Points need not sit *on* hands, they only tell where these are. Keypoints carry the build of a speaker. What is
-# hidden is painted in a blur, hands and faces first: notebook 04 repairs them.
+# **Limits.** Points need not sit *on* hands, they only tell where these are, and our flow leaves most hands behind.
+# Keypoints carry the build of a speaker. What is hidden is painted in a blur: notebook 04 repairs what it can.
 #
 # **Back:** [02 Thin-plate splines](02_thin_plate_splines.ipynb). **Next:** notebook 04 mends hands and faces.
