@@ -36,6 +36,7 @@ from s2glib.data.detections import Detections, read_boxes, read_keypoints
 from s2glib.data.film_files import frames_of, read_pictures
 
 SHORTEST = 10  # frames
+SMALLEST = 8  # pixels
 
 
 class Footage(NamedTuple):
@@ -116,8 +117,10 @@ def read_film(path: str | os.PathLike[str], size: int) -> Footage:
     Raises:
         FileNotFoundError: if there is no such film.
         ImportError: for a video without the extra `video`.
-        ValueError: if it is not laid out as above, or does not move.
+        ValueError: if it is not laid out as above, does not move, or `size` is too small.
     """
+    if not isinstance(size, int) or size < SMALLEST:
+        raise ValueError(f"size must be a whole number of pixels, {SMALLEST} or more, got {size!r}")
     film = Path(path)
     source, pictures = frames_of(film), []
     for picture in _alike(read_pictures(source), source):

@@ -17,6 +17,7 @@ from s2glib.checkpoint import load_checkpoint
 from s2glib.corpus import HELD_OUT, PORTRAIT
 from s2glib.papers.mddiffusion import KeypointPredictor, MotionDecoupler, RefinementNet
 from s2glib.recipes.mddiffusion_ablation import STAGE
+from s2glib.recipes.mddiffusion_decoupling import first_keypoints, has_labels
 from s2glib.recipes.report import Row, over_draws, ratio
 from s2glib.recipes.video_data import (
     TEST_CLIPS,
@@ -24,7 +25,6 @@ from s2glib.recipes.video_data import (
     VideoFrames,
     films,
     scenes,
-    starting_keypoints,
 )
 from s2glib.recipes.video_scores import RegionErrors, film_errors, wrists_explained
 
@@ -74,8 +74,8 @@ def wrist_rows(decoupler: MotionDecoupler, train: VideoFrames, test: VideoFrames
     config = decoupler.config
     torch.manual_seed(_SEED)
     untrained = KeypointPredictor(config)
-    rng = np.random.default_rng(_SEED)
-    untrained.start_at(starting_keypoints(train, config.transforms, config.points, rng))
+    labelled = has_labels(train, config)
+    untrained.start_at(first_keypoints(train, config, labelled, _SEED))
     n = len(test.lengths)
     before, after = (
         float(wrists_explained(predictor, train, test).mean())

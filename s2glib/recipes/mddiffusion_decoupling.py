@@ -1,10 +1,13 @@
-"""Train the motion decoupler on pairs of frames of one clip, without any labels.
+"""Train the motion decoupler on pairs of frames of one clip.
+
+The paper has no labels and much time. Where films come with keypoints, the teaching size first
+learns to put its own on the limbs; without, it begins with points on what moves.
 
 Paper:    MDD B.1, B.5
 Notebook: notebooks/03_motion_decoupling.ipynb
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -20,10 +23,12 @@ from s2glib.papers.mddiffusion import (
     DecouplingConfig,
     MotionDecoupler,
     decoupling_losses,
+    label_error,
 )
 from s2glib.recipes.fit import Chance, Course
 from s2glib.recipes.footage import train_and_test
 from s2glib.recipes.image_augmentation import Augmentation
+from s2glib.recipes.limb_points import ALONG, LIMBS, limb_points, mirrored_keypoints
 from s2glib.recipes.stage import Stage
 from s2glib.recipes.video_data import VideoFrames, starting_keypoints
 from s2glib.recipes.video_scores import film_errors, wrists_explained
@@ -43,16 +48,16 @@ class Lesson:
         course: steps, batch, rates.
         weights: of the loss terms, see `DecouplingLosses.total`.
         moving: how much more the moving quarter of a clip's pixels counts (ours).
-        near: frames between source and driving at first, and the share of the course by which it
-            is any number; None: any from the start.
-        start_where_it_moves: begin with keypoints on what moves (ours).
+        near: without labels, frames between source and driving at first, and the share of the
+            course by which it is any number; None: any from the start.
+        labelled: how keypoints are first put on the limbs, where films have labels (ours).
     """
 
     course: Course
     weights: dict[str, float] = field(default_factory=dict)
     moving: float = 0.0
     near: tuple[int, float] | None = None
-    start_where_it_moves: bool = False
+    labelled: Course | None = None
 
 
 LESSONS = {
@@ -61,11 +66,11 @@ LESSONS = {
         {"perceptual": 10.0, "equivariance": 10.0, "warp": 10.0},
     ),
     "teaching": Lesson(
-        Course(steps=9000, batch=8, learning_rate=1e-3, betas=(0.5, 0.999), weight_decay=1e-4),
-        {"perceptual": 1.0, "warped": 1.0, "equivariance": 0.5, "warp": 0.1},
+        Course(steps=6000, batch=8, learning_rate=1e-3, betas=(0.5, 0.999), weight_decay=1e-4),
+        {"perceptual": 1.0, "warped": 1.0, "equivariance": 0.5, "warp": 0.1, "labelled": 10.0},
         moving=6.0,
         near=(10, 0.4),
-        start_where_it_moves=True,
+        labelled=Course(steps=2000, batch=16, learning_rate=1e-3),
     ),
 }
 LESSONS["teaching-128"] = LESSONS["teaching"]
@@ -77,8 +82,16 @@ class DecouplingStep(NamedTuple):
     source: Float[Tensor, "batch 3 size size"]
     driving: Float[Tensor, "batch 3 size size"]
     weight: Float[Tensor, "batch 1 size size"]
+    labels: Float[Tensor, "batch k n 2"] | None
     bend: ThinPlateSpline
     dropout: float
+
+
+class LabelledPictures(NamedTuple):
+    """Pictures, and where their keypoints should be."""
+
+    pictures: Float[Tensor, "batch 3 size size"]
+    labels: Float[Tensor, "batch k n 2"]
 
 
 class DecouplingObjective(nn.Module):
@@ -99,26 +112,58 @@ class DecouplingObjective(nn.Module):
             dropout=step.dropout,
             weight=step.weight,
             match_warped="warped" in self.weights,
+            labels=step.labels,
         )
         return losses.total(**self.weights), losses._asdict()
 
 
-def draw(video: VideoFrames, lesson: Lesson, chance: Chance) -> DecouplingStep:
-    """Pairs of frames, first near ones, later any, each mirrored and coloured by chance; a bend.
+class LabelObjective(nn.Module):
+    """Holds the keypoint predictor; one call compares its keypoints with labels."""
 
-    And how many warps may drop out.
+    def __init__(self, keypoints: nn.Module):
+        super().__init__()
+        self.keypoints = keypoints
+
+    def forward(self, step: LabelledPictures) -> tuple[Tensor, dict[str, Tensor]]:
+        """The error, which is the only term."""
+        error = label_error(self.keypoints(step.pictures), step.labels)
+        return error, {"labelled": error}
+
+
+def draw(video: VideoFrames, lesson: Lesson, labelled: bool, chance: Chance) -> DecouplingStep:
+    """Pairs of frames, each mirrored and coloured by chance; a bend; how many warps may drop out.
+
+    Without labels pairs are near ones at first.
     """
-    count, progress = lesson.course.batch, chance.progress
-    furthest = reach(lesson, progress, int(video.lengths.max()))
+    count, longest = lesson.course.batch, int(video.lengths.max())
+    furthest = longest if labelled else reach(lesson, chance.progress, longest)
     source, driving, clips = video.pairs(count, chance.rng, furthest=furthest)
     augmentation = Augmentation.draw(count, chance.rng)
     return DecouplingStep(
         augmentation.change(video.images(source)),
         augmentation.change(video.images(driving)),
         augmentation.mirror(1 + lesson.moving * video.moving(clips)),
+        labels_of(video, driving, augmentation) if labelled else None,
         random_tps(count, generator=chance.generator),
-        warp_dropout(progress),
+        warp_dropout(chance.progress),
     )
+
+
+def draw_labelled(video: VideoFrames, course: Course, chance: Chance) -> LabelledPictures:
+    """Frames, mirrored and coloured by chance, and their labels."""
+    rows = chance.rng.integers(len(video.frames), size=course.batch)
+    augmentation = Augmentation.draw(course.batch, chance.rng)
+    pictures = augmentation.change(video.images(rows))
+    return LabelledPictures(pictures, labels_of(video, rows, augmentation))
+
+
+def labels_of(
+    video: VideoFrames, rows: np.ndarray, augmentation: Augmentation
+) -> Float[Tensor, "batch k n 2"]:
+    """Points on the limbs, as they are seen in the augmented pictures."""
+    there = video.keypoints[rows]
+    mirrored = augmentation.mirrored[:, None, None]
+    return limb_points(torch.where(mirrored, mirrored_keypoints(there), there))
 
 
 def reach(lesson: Lesson, progress: float, longest: int) -> int:
@@ -152,13 +197,43 @@ def fit_decoupler(
     """A decoupler trained on films, and the record of its run."""
     torch.manual_seed(stage.seed)
     model = MotionDecoupler(config)
-    if lesson.start_where_it_moves:
-        rng = np.random.default_rng(stage.seed)
-        model.keypoints.start_at(starting_keypoints(video, config.transforms, config.points, rng))
+    labels = lesson.labelled if has_labels(video, config) else None
+    labelled = labels is not None
+    if stage.preset != "paper":
+        model.keypoints.start_at(first_keypoints(video, config, labelled, stage.seed))
+    before = put_on_limbs(stage, part, model, labels, video) if labels else {}
     objective = DecouplingObjective(model, picture_features(stage.preset), lesson.weights)
     course = stage.course(lesson.course)
-    kept, record = stage.train(part, objective, course, partial(draw, video, lesson))
-    return kept.model.eval(), record
+    kept, record = stage.train(part, objective, course, partial(draw, video, lesson, labelled))
+    return kept.model.eval(), record | before
+
+
+def has_labels(video: VideoFrames, config: DecouplingConfig) -> bool:
+    """Whether keypoints are known somewhere, and the model has as many as limbs have."""
+    groups = (config.transforms, config.points)
+    return groups == (len(LIMBS), len(ALONG)) and bool(video.keypoints.isfinite().any())
+
+
+def first_keypoints(
+    video: VideoFrames, config: DecouplingConfig, labelled: bool, seed: int
+) -> Float[Tensor, "k n 2"]:
+    """Where keypoints begin: at the labels' mean places, or where something moves."""
+    if labelled:
+        return limb_points(video.keypoints).nanmean(dim=0)
+    rng = np.random.default_rng(seed)
+    return starting_keypoints(video, config.transforms, config.points, rng)
+
+
+def put_on_limbs(
+    stage: Stage, part: str, model: MotionDecoupler, course: Course, video: VideoFrames
+) -> dict[str, Any]:
+    """Teach the keypoint predictor the labels; the record of that, for the run's record."""
+    steps = min(course.steps, stage.steps or course.steps)
+    course = replace(course, seed=stage.seed, steps=steps)
+    drawn = partial(draw_labelled, video, course)
+    kept, record = stage.train(f"{part}-labels", LabelObjective(model.keypoints), course, drawn)
+    model.keypoints.load_state_dict(kept.keypoints.state_dict())
+    return {"labels": record}
 
 
 def train(stage: Stage) -> None:

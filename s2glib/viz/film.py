@@ -5,6 +5,7 @@ Notebook: notebooks/03_motion_decoupling.ipynb
 """
 
 from collections.abc import Mapping, Sequence
+from numbers import Real
 
 import numpy as np
 from jaxtyping import Float, UInt8
@@ -50,6 +51,8 @@ def film_bytes(frames: Frames) -> UInt8[np.ndarray, "t h w 3"]:
 
 def check_fps(fps: float | int, fastest: int = FASTEST) -> None:
     """Refuse a rate at which nobody can watch, or that is no number."""
+    if not isinstance(fps, Real):
+        raise TypeError(f"fps must be a number, got {type(fps).__name__}")
     if not 1 <= fps <= fastest:
         raise ValueError(f"fps must be from 1 to {fastest} here, got {fps}; leave out frames")
 
@@ -64,7 +67,13 @@ def draw_films(
         films: by name, as `write_video` takes them.
         fps: frames per second, of all.
         times: seconds; a time after the end shows the last frame.
+
+    Raises:
+        TypeError: if the films hold something else than bytes or floats.
+        ValueError: if there is no film or no time, or a film is none.
     """
+    if not films or not len(times):
+        raise ValueError("there is nothing to draw; give at least one film and one time")
     top, middles = 0.0, []
     for film in map(film_bytes, films.values()):
         shown = [film[min(int(time * fps + 1e-3), len(film) - 1)] for time in times]

@@ -43,7 +43,7 @@ class FilmPlayer(Playback):
     _css = STYLE + FILM_STYLE
     film: traitlets.Dict = traitlets.Dict().tag(sync=True)
     sheets = traitlets.Bytes().tag(sync=True)
-    width = traitlets.Int(256).tag(sync=True)
+    width = traitlets.Int(256, min=16).tag(sync=True)
     title = traitlets.Unicode("").tag(sync=True)
 
     def __init__(

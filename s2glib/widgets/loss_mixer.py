@@ -46,6 +46,7 @@ class LossMixer(Demo):
         masks: of the truths.
 
     Raises:
+        TypeError: if the pictures are no tensors, or the masks no `Masks`.
         ValueError: if the sizes differ, or there is no truth.
     """
 
@@ -69,6 +70,9 @@ class LossMixer(Demo):
     )
 
     def __init__(self, start: Float[Tensor, "3 h w"], truths: Poses, masks: Masks) -> None:
+        if not isinstance(masks, Masks) or not all(isinstance(x, Tensor) for x in (start, truths)):
+            kinds = ", ".join(type(each).__name__ for each in (start, truths, masks))
+            raise TypeError(f"expected a picture, its truths and their Masks, got {kinds}")
         shapes = {tuple(truths.shape), *((len(mask), 3, *mask.shape[2:]) for mask in masks)}
         if len(shapes) > 1 or not len(truths) or truths.shape[1:] != start.shape:
             raise ValueError(

@@ -193,3 +193,10 @@ def test_what_a_reader_meets_without_type_checks(tmp_path, frames, without_type_
     assert isinstance(read_film(str(tmp_path / "film"), 10), Footage)
     with pytest.raises(FileNotFoundError, match=r"no film at .*; check the path"):
         read_film(tmp_path / "none", 10)
+
+
+@pytest.mark.usefixtures("without_type_hook")
+@pytest.mark.parametrize("size", [0, -64, 7, 64.0, "64", None])
+def test_a_size_that_is_none_is_refused(tmp_path, size):
+    with pytest.raises(ValueError, match="size must be a whole number of pixels, 8 or more"):
+        read_film(tmp_path, size)

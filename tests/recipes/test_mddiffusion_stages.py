@@ -11,15 +11,22 @@ from small_video import SMALL_DECOUPLING, SMALL_REFINEMENT, noise_film
 
 from s2glib.checkpoint import load_checkpoint, read_metadata
 from s2glib.layers import PyramidFeatures
-from s2glib.papers.mddiffusion import MotionDecoupler, PatchDiscriminator, RefinementNet
+from s2glib.papers.mddiffusion import (
+    MotionDecoupler,
+    PatchDiscriminator,
+    RefinementNet,
+    label_error,
+)
 from s2glib.recipes import Chance, Course, Stage, Training, footage
 from s2glib.recipes import mddiffusion_ablation as ablation
 from s2glib.recipes import mddiffusion_decoupling as decoupling
 from s2glib.recipes import mddiffusion_refinement as refinement
+from s2glib.recipes.limb_points import ALONG, LIMBS, limb_points, mirrored_keypoints
 from s2glib.recipes.video_data import VideoFrames
 
 COURSE = Course(steps=3, batch=4, learning_rate=1e-3, warm_up=1)
 LESSON = replace(decoupling.LESSONS["teaching"], course=COURSE)
+ROWS = np.arange(36)
 REPAIR = replace(refinement.LESSONS["teaching"], course=COURSE)
 
 
@@ -61,7 +68,7 @@ def test_the_decoupler_trains_every_part(video):
     objective = decoupling.DecouplingObjective(
         MotionDecoupler(SMALL_DECOUPLING), PyramidFeatures(2), LESSON.weights
     )
-    moved = moved_by_training(objective, lambda c: decoupling.draw(video, LESSON, c))
+    moved = moved_by_training(objective, lambda c: decoupling.draw(video, LESSON, False, c))
     assert {name for name, _ in objective.named_parameters()} <= moved
 
 
@@ -87,7 +94,8 @@ def test_each_network_learns_from_its_own_loss_only(video, repair):
 
 
 def test_a_step_counts_the_moving_quarter_more(video):
-    step = decoupling.draw(video, LESSON, chance())
+    step = decoupling.draw(video, LESSON, False, chance())
+    assert step.labels is None
     assert set(step.weight.unique().tolist()) == {1.0, 7.0}
     assert step.source.shape == step.driving.shape == (4, 3, 32, 32)
     assert len(step.bend.affine) == 4
@@ -99,6 +107,46 @@ def test_a_step_of_refinement_has_the_masks_of_its_driving_picture(video):
     assert torch.equal(step.driving, video.images(rows))
     assert torch.equal(step.hand, video.hands(rows))
     assert torch.equal(step.face, video.faces(rows))
+
+
+def test_labels_are_mirrored_with_their_pictures(video):
+    step = decoupling.draw(video, LESSON, True, chance())
+    rows = video.pairs(4, np.random.default_rng(0), furthest=12).driving
+    plain = limb_points(video.keypoints[rows])
+    mirrored = limb_points(mirrored_keypoints(video.keypoints[rows]))
+    same, other = (
+        torch.isclose(step.labels, labels).flatten(1).all(1) for labels in (plain, mirrored)
+    )
+    assert (same ^ other).all()
+    assert same.any()
+    assert other.any()
+
+
+def test_where_labels_are_known_keypoints_go_there_first(tmp_path, video):
+    config = replace(SMALL_DECOUPLING, transforms=len(LIMBS), points=len(ALONG))
+    lesson = replace(LESSON, labelled=replace(COURSE, steps=40))
+    stage = Stage("mddiffusion-decoupling", tmp_path, steps=40)
+    assert decoupling.has_labels(video, config)
+    model, record = decoupling.fit_decoupler(stage, "some", config, lesson, video)
+    errors = [point["labelled"] for point in record["labels"]["curve"]]
+    assert len(errors) == 1
+    assert np.isfinite(errors).all()
+    assert record["labels"]["course"]["steps"] == 40
+    torch.manual_seed(0)
+    start = MotionDecoupler(config).keypoints
+    start.start_at(decoupling.first_keypoints(video, config, True, 0))
+    before, after = (
+        float(label_error(each.eval()(video.images(ROWS)), limb_points(video.keypoints[ROWS])))
+        for each in (start, model.keypoints)
+    )
+    assert after < before
+
+
+def test_films_without_keypoints_have_no_labels(video):
+    config = replace(SMALL_DECOUPLING, transforms=len(LIMBS), points=len(ALONG))
+    assert not decoupling.has_labels(video, SMALL_DECOUPLING)
+    video.keypoints[:] = torch.nan
+    assert not decoupling.has_labels(video, config)
 
 
 @pytest.mark.parametrize(("progress", "frames"), [(0.0, 10), (0.2, 32), (0.4, 100), (1.0, 100)])

@@ -53,6 +53,19 @@ def test_what_is_neither_bytes_nor_floats_is_refused(frames):
         film_bytes(frames)
 
 
+@pytest.mark.usefixtures("without_type_hook")
+@pytest.mark.parametrize("fps", ["25", None, [25]])
+def test_a_rate_that_is_no_number_is_refused(fps):
+    with pytest.raises(TypeError, match="fps must be a number"):
+        check_fps(fps)
+
+
+@pytest.mark.parametrize(("films", "times"), [({}, (0,)), ({"one": FILM}, ())])
+def test_nothing_to_draw_is_refused(films, times):
+    with pytest.raises(ValueError, match="nothing to draw"):
+        draw_films(Figure().subplots(), films, 25, times)
+
+
 @pytest.mark.parametrize("fps", [0, -25, 121, float("nan"), float("inf")])
 def test_a_rate_that_nobody_can_watch_is_refused(fps):
     with pytest.raises(ValueError, match="fps must be from 1 to 120"):

@@ -118,3 +118,12 @@ def test_pictures_and_masks_of_other_sizes_are_refused(cut, truths):
     start, poses, masks = scene()
     with pytest.raises(ValueError, match="must have one size"):
         LossMixer(start[..., cut], poses[truths], masks)
+
+
+@pytest.mark.usefixtures("without_type_hook")
+@pytest.mark.parametrize("place", range(3))
+def test_what_is_no_picture_and_no_mask_is_told(place):
+    parts = list(scene())
+    parts[place] = None
+    with pytest.raises(TypeError, match="expected a picture, its truths and their Masks, got .*None"):
+        LossMixer(*parts)

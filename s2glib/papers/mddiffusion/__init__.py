@@ -18,6 +18,7 @@ from s2glib.papers.mddiffusion.decoupling import (
     Reconstruction,
     decoupling_losses,
     equivariance,
+    label_error,
 )
 from s2glib.papers.mddiffusion.flow_predictor import (
     Flow,
@@ -66,6 +67,7 @@ __all__ = [
     "equivariance",
     "group_blobs",
     "group_warps",
+    "label_error",
     "merge",
     "refinement_losses",
     "warp_and_mask",

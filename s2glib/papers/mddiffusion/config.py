@@ -19,6 +19,7 @@ class DecouplingConfig:
     points: int = 5  # N, of each transform  [MDD B.5]
     warp: Literal["tps", "affine"] = "tps"  # "affine": MRAA's regions  [MDD E]
     ridge: float = 0.01  # authors' code; [MDD Eq. A5] has 0, which coinciding points break
+    rests: bool = False  # equal keypoints bend nothing, whatever the ridge: ours
     region_floor: float = 0.05  # blur of the regions of "affine"; ours: MRAA has none, and fails
     background: Literal["still", "affine"] = "still"  # authors' code; TPSMM has "affine"
 
@@ -27,9 +28,11 @@ class DecouplingConfig:
     keypoint_early_pool: bool = True  # ResNet-18; without: ours, for small pictures
     keypoint_grid: int = 1  # places of the last pooling: ResNet-18; more: ours
     keypoint_gain: float = 1.0  # of the outputs; below 1 keypoints wander less: ours
+    keypoint_reach: float = 1.0  # image units; more: ours, for hands outside the picture
 
     flow_size: int = 64  # pixels of the weight maps  [MDD B.5]
     heatmap_variance: float = 0.01  # of a keypoint's blob; authors' code
+    nearness: float = 0.0  # how much more a warp counts at its own points at first: ours
     flow_width: int = 64  # authors' code
     flow_widest: int = 1024  # authors' code
     flow_blocks: int = 5  # authors' code
@@ -78,12 +81,16 @@ TEACHING_DECOUPLING = replace(
     PAPER_DECOUPLING,
     size=64,
     transforms=8,
+    ridge=0.001,
+    rests=True,
     keypoint_widths=(16, 32, 64, 96),
     keypoint_blocks=(1, 1, 1, 1),
     keypoint_early_pool=False,
     keypoint_grid=4,
     keypoint_gain=0.1,
+    keypoint_reach=1.25,
     flow_size=32,
+    nearness=6.0,
     flow_width=16,
     flow_widest=64,
     flow_blocks=3,

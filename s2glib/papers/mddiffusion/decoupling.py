@@ -107,13 +107,14 @@ class MotionDecoupler(nn.Module):
 
 
 class DecouplingLosses(NamedTuple):
-    """The terms of Eq. B9, and two more that are off in the paper."""
+    """The terms of Eq. B9, and three more that are off in the paper."""
 
     perceptual: Float[Tensor, ""]
     equivariance: Float[Tensor, ""]
     warp: Float[Tensor, ""]
     background: Float[Tensor, ""]
     warped: Float[Tensor, ""]
+    labelled: Float[Tensor, ""]
 
     def total(
         self,
@@ -123,6 +124,7 @@ class DecouplingLosses(NamedTuple):
         warp: float = 1.0,
         background: float = 0.0,
         warped: float = 0.0,
+        labelled: float = 0.0,
     ) -> Float[Tensor, ""]:
         """The weighted sum  [MDD Eq. B9]; authors' code weighs the first three by 10.
 
@@ -133,6 +135,7 @@ class DecouplingLosses(NamedTuple):
             background: that the background's map forth and back is no map at all (TPSMM: 10).
             warped: of L_per on the merely bent source, so that the flow cannot leave the work to
                 the painter (ours).
+            labelled: that keypoints lie where somebody put them (ours).
         """
         return (
             perceptual * self.perceptual
@@ -140,6 +143,7 @@ class DecouplingLosses(NamedTuple):
             + warp * self.warp
             + background * self.background
             + warped * self.warped
+            + labelled * self.labelled
         )
 
 
@@ -154,6 +158,7 @@ def decoupling_losses(
     generator: torch.Generator | None = None,
     weight: Float[Tensor, "batch 1 size size"] | None = None,
     match_warped: bool = False,
+    labels: Keypoints | None = None,
 ) -> DecouplingLosses:
     """The terms for a batch of picture pairs.
 
@@ -168,6 +173,8 @@ def decoupling_losses(
         generator: draws which these are.
         weight: how much each place counts in the perceptual terms (ours).
         match_warped: whether to work out the term `warped`; it is 0 otherwise.
+        labels: where the driving picture's keypoints should be, NaN where nobody knows; without
+            them the term `labelled` is 0.
     """
     made = model(source, driving, dropout=dropout, generator=generator)
     wanted = features(driving)
@@ -178,7 +185,15 @@ def decoupling_losses(
         warp=_warp(model.synthesizer, driving, made),
         background=_background_cycle(model.background, source, driving),
         warped=perceptual_loss(wanted, warped, weight=weight),
+        labelled=label_error(made.driving_keypoints, labels),
     )
+
+
+def label_error(keypoints: Keypoints, labels: Keypoints | None) -> Float[Tensor, ""]:
+    """Mean absolute distance to the labels, where there are any."""
+    if labels is None or not labels.isfinite().any():
+        return keypoints.new_zeros(())
+    return (keypoints - labels)[labels.isfinite()].abs().mean()
 
 
 def equivariance(

@@ -98,10 +98,13 @@ class FlowPredictor(nn.Module):
         moved = group_warps(driving_keypoints, source_keypoints, grid, self.config)
         warps = torch.cat([behind, moved], dim=1)
         copies = warp_with_each(shrink(source, source.shape[-1] // size), warps).flatten(1, 2)
-        blobs = group_blobs(driving_keypoints, self.config)
-        blobs = blobs - group_blobs(source_keypoints, self.config)
-        maps = self.hourglass(torch.cat([copies, torch.zeros_like(blobs[:, :1]), blobs], dim=1))
-        contributions = weight_maps(self.weights(maps[-1]), dropout=dropout, generator=generator)
+        there = group_blobs(driving_keypoints, self.config)
+        blobs = there - group_blobs(source_keypoints, self.config)
+        nothing = torch.zeros_like(blobs[:, :1])
+        maps = self.hourglass(torch.cat([copies, nothing, blobs], dim=1))
+        near = there.unflatten(1, (self.config.transforms, -1)).amax(dim=2)
+        logits = self.weights(maps[-1]) + self.config.nearness * torch.cat([nothing, near], dim=1)
+        contributions = weight_maps(logits, dropout=dropout, generator=generator)
         for block in self.enlarge:
             maps.append(block(maps[-1]))
         seen = zip(self.masks, maps[-len(self.masks) :], strict=True)
@@ -121,10 +124,14 @@ def group_warps(
 ) -> Float[Tensor, "batch k size size 2"]:
     """Each group's backward warp: a spline through its points, or the affine map of its ellipse.
 
-    The second is MRAA's, which sums a group up by mean and covariance  [MDD E].
+    The second is MRAA's, which sums a group up by mean and covariance  [MDD E]. A ridge pulls a
+    spline to the middle of the picture, the more the closer its points are; where the network
+    `rests`, the spline says how far places move, and the ridge pulls it to no motion at all (ours).
     """
     places = grid.flatten(0, 1)
-    if config.warp == "tps":
+    if config.warp == "tps" and config.rests:
+        moved = places + apply_tps(fit_tps(driving, source - driving, ridge=config.ridge), places)
+    elif config.warp == "tps":
         moved = apply_tps(fit_tps(driving, source, ridge=config.ridge), places)
     else:
         regions = region_of_points(driving), region_of_points(source)

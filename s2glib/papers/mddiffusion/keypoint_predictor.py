@@ -30,12 +30,14 @@ class KeypointPredictor(nn.Module):
         )
 
     def forward(self, image: Float[Tensor, "batch 3 h w"]) -> Float[Tensor, "batch k n 2"]:
-        """Keypoints, x then y, inside the picture: a sigmoid keeps them in -1 .. 1."""
+        """Keypoints, x then y: a sigmoid keeps them in the picture, or within `keypoint_reach`."""
         flat = torch.sigmoid(self.config.keypoint_gain * self.encoder(image)) * 2 - 1
-        return rearrange(flat, "b (k n d) -> b k n d", k=self.config.transforms, d=2)
+        points = rearrange(flat, "b (k n d) -> b k n d", k=self.config.transforms, d=2)
+        return self.config.keypoint_reach * points
 
     @torch.no_grad()
     def start_at(self, points: Float[Tensor, "k n 2"]) -> None:
         """Begin with keypoints about given places, whatever the picture shows (ours)."""
-        logits = torch.logit((points.flatten() + 1) / 2, eps=0.01)
+        inside = points.flatten() / self.config.keypoint_reach
+        logits = torch.logit((inside + 1) / 2, eps=0.01)
         self.encoder.fc.bias.copy_(logits / self.config.keypoint_gain)

@@ -19,6 +19,8 @@ from s2glib.papers.mddiffusion.refinement import RefinementNet
 
 FPS = 25.0  # [MDD 4.1]
 AT_ONCE = 16  # frames
+BEYOND = 1e-3  # what rounding may add to a picture
+FARTHEST = 3  # image units; keypoints of pictures lie within 1
 
 
 class Video(NamedTuple):
@@ -68,7 +70,8 @@ class MDDiffusion:
 
         Raises:
             TypeError: if the pictures are not float32.
-            ValueError: if they have another size than the networks, or there is none.
+            ValueError: if they have another size than the networks, a value is not in 0 .. 1, or
+                there is none.
         """
         self._check(pictures)
         return in_batches(self.decoupler.keypoints, pictures, size=AT_ONCE).flatten(1, 2)
@@ -86,18 +89,14 @@ class MDDiffusion:
             keypoints: the motion, as `keypoints` finds it in a film.
 
         Raises:
-            TypeError: if the picture is not float32.
-            ValueError: if a shape does not fit the networks, or a value is not finite.
+            TypeError: if the picture or the keypoints are not float32.
+            ValueError: if a shape does not fit the networks, or a value is out of range.
         """
+        _check_float32("the picture", picture)
         self._check(picture[None])
+        self._check_keypoints(keypoints)
         config = self.decoupler.config
         groups = (config.transforms, config.points)
-        shape = (config.transforms * config.points, 2)
-        if keypoints.shape[1:] != shape or not len(keypoints):
-            raise ValueError(
-                f"expected keypoints of shape (frames, {shape[0]}, 2), got "
-                f"{tuple(keypoints.shape)}; take those that this model finds in a film"
-            )
         here = self.decoupler.keypoints(picture[None])
         paint = partial(self._frames, picture, here)
         frames = in_batches(paint, keypoints.unflatten(1, groups), size=AT_ONCE)
@@ -123,13 +122,31 @@ class MDDiffusion:
 
     def _check(self, pictures: Tensor) -> None:
         size = self.decoupler.config.size
-        if not isinstance(pictures, Tensor) or pictures.dtype != torch.float32:
-            kind = pictures.dtype if isinstance(pictures, Tensor) else type(pictures).__name__
-            raise TypeError(f"pictures must be a float32 tensor in 0 .. 1, got {kind}")
+        _check_float32("pictures", pictures)
         if pictures.ndim != 4 or pictures.shape[1:] != (3, size, size) or not len(pictures):
             raise ValueError(
                 f"expected pictures of shape (3, {size}, {size}), got {tuple(pictures.shape[1:])} "
                 f"and {len(pictures)} of them; film or shrink them to {size} pixels"
             )
-        if not pictures.isfinite().all():
-            raise ValueError("a picture holds values that are not finite; look where they are from")
+        if not ((pictures >= -BEYOND) & (pictures <= 1 + BEYOND)).all():
+            raise ValueError("pictures must have values from 0 to 1; divide bytes by 255")
+
+    def _check_keypoints(self, keypoints: Tensor) -> None:
+        _check_float32("keypoints", keypoints)
+        shape = (self.decoupler.config.transforms * self.decoupler.config.points, 2)
+        if keypoints.shape[1:] != shape or not len(keypoints):
+            raise ValueError(
+                f"expected keypoints of shape (frames, {shape[0]}, 2), got "
+                f"{tuple(keypoints.shape)}; take those that this model finds in a film"
+            )
+        if not (keypoints.abs() <= FARTHEST).all():
+            raise ValueError(
+                f"keypoints must be finite and within {FARTHEST} image units of the middle; -1 and "
+                "1 are the edges of the picture"
+            )
+
+
+def _check_float32(name: str, values: Tensor) -> None:
+    if not isinstance(values, Tensor) or values.dtype != torch.float32:
+        kind = values.dtype if isinstance(values, Tensor) else type(values).__name__
+        raise TypeError(f"{name} must be a float32 tensor, got {kind}")

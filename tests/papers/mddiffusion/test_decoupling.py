@@ -12,6 +12,7 @@ from s2glib.papers.mddiffusion import (
     DecouplingLosses,
     MotionDecoupler,
     decoupling_losses,
+    label_error,
 )
 from s2glib.warping import ThinPlateSpline, coordinate_grid, random_tps
 
@@ -136,10 +137,21 @@ def test_places_can_count_more(decoupler, images):
 
 def test_the_total_is_the_plain_sum_of_three():
     """[MDD Eq. B9]"""
-    losses = DecouplingLosses(*(torch.tensor(float(2**k)) for k in range(5)))
+    losses = DecouplingLosses(*(torch.tensor(float(2**k)) for k in range(6)))
     assert losses.total() == 1 + 2 + 4
     weights = {"perceptual": 10, "equivariance": 10, "warp": 10, "background": 10, "warped": 1}
-    assert losses.total(**{k: float(v) for k, v in weights.items()}) == 10 * (1 + 2 + 4 + 8) + 16
+    weights = {name: float(weight) for name, weight in weights.items()} | {"labelled": 2.0}
+    assert losses.total(**weights) == 10 * (1 + 2 + 4 + 8) + 16 + 2 * 32
+
+
+def test_only_places_that_somebody_knows_are_labels(decoupler, images):
+    made = decoupler.eval()(*images).driving_keypoints.detach()
+    labels = made + 0.25
+    labels[0, 1:] = torch.nan
+    assert label_error(made, labels) == pytest.approx(0.25)
+    losses = losses_of(decoupler, images, labels=labels)
+    assert float(losses.labelled.detach()) == pytest.approx(0.25)
+    assert label_error(made, None) == label_error(made, torch.full_like(made, torch.nan)) == 0
 
 
 def test_a_predictor_that_follows_every_bend_loses_nothing(decoupler):

@@ -72,6 +72,37 @@ def test_equal_keypoints_move_nothing(config, images, keypoints, grid, warp):
     torch.testing.assert_close(flow.sampling_grid, grid.expand(2, 16, 16, 2), atol=1e-4, rtol=0)
 
 
+def test_a_ridge_bends_pictures_at_rest_unless_told_to_pull_towards_no_motion(
+    config, keypoints, grid
+):
+    close = 0.1 * keypoints
+    moved = {
+        rests: group_warps(close, close, grid, replace(config, ridge=0.01, rests=rests)) - grid
+        for rests in (False, True)
+    }
+    assert moved[True].abs().max() < 1e-5
+    assert moved[False].abs().max() > 0.1
+
+
+def test_without_a_ridge_both_ways_to_fit_are_one(config, keypoints, grid):
+    moved = keypoints + 0.1 * torch.randn_like(keypoints)
+    ways = [
+        group_warps(moved, keypoints, grid, replace(config, ridge=0.0, rests=rests))
+        for rests in (False, True)
+    ]
+    torch.testing.assert_close(*ways, rtol=1e-3, atol=1e-3)
+
+
+@WARPS
+def test_an_untrained_network_trusts_warps_near_their_points(config, images, keypoints, warp):
+    predictor = FlowPredictor(replace(config, warp=warp, nearness=50.0))
+    keypoints = keypoints.clone()
+    keypoints[:, 1] = 0.5 + 0.1 * keypoints[:, 1]
+    shares = predictor(images[0], keypoints, keypoints).contributions[:, 2]
+    assert shares[:, 11, 11].min() > 0.9
+    assert shares[:, 0, 15].max() < 0.5
+
+
 @WARPS
 def test_a_group_that_was_elsewhere_in_the_source_is_fetched_from_there(
     config, keypoints, grid, warp

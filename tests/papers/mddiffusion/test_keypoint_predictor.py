@@ -15,18 +15,18 @@ def test_the_papers_predictor_is_resnet_18_with_200_outputs():
     assert keypoints.shape == (2, 20, 5, 2)
 
 
-def test_keypoints_stay_inside_the_picture(config):
+def test_keypoints_stay_within_reach(config):
     predictor = KeypointPredictor(config)
     predictor.encoder.fc.weight.data *= 1e4
     keypoints = predictor(torch.rand(4, 3, 32, 32))
     assert keypoints.shape == (4, 3, 5, 2)
-    assert keypoints.abs().max() <= 1
-    assert keypoints.abs().max() > 0.99
+    assert keypoints.abs().max() <= config.keypoint_reach
+    assert keypoints.abs().max() > 0.99 * config.keypoint_reach
 
 
 def test_numbers_are_ordered_by_group_then_point_then_x_and_y(config):
     """The order of the 200-number motion feature; authors' code."""
-    predictor = KeypointPredictor(replace(config, keypoint_gain=1.0)).eval()
+    predictor = KeypointPredictor(replace(config, keypoint_gain=1.0, keypoint_reach=1.0)).eval()
     torch.nn.init.zeros_(predictor.encoder.fc.weight)
     predictor.encoder.fc.bias.data = torch.linspace(-2, 2, 30)
     keypoints = predictor(torch.rand(1, 3, 32, 32))[0]

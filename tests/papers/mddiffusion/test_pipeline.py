@@ -68,9 +68,10 @@ def test_both_networks_come_from_their_files(tmp_path, decoupler, refiner, film)
     [
         (torch.zeros(3, 64, 64), ValueError, r"\(3, 32, 32\), got \(3, 64, 64\)"),
         (torch.zeros(32, 32, 3), ValueError, r"\(3, 32, 32\), got \(32, 32, 3\)"),
-        (torch.zeros(3, 32, 32).double(), TypeError, "float32 tensor in 0 .. 1, got torch.float64"),
+        (torch.zeros(3, 32, 32).double(), TypeError, "float32 tensor, got torch.float64"),
         (torch.zeros(3, 32, 32).byte(), TypeError, "got torch.uint8"),
-        (torch.full((3, 32, 32), float("nan")), ValueError, "not finite"),
+        (torch.full((3, 32, 32), float("nan")), ValueError, "from 0 to 1"),
+        (torch.full((3, 32, 32), 255.0), ValueError, "divide bytes by 255"),
     ],
 )
 def test_what_is_no_picture_of_the_networks_size_is_refused(model, film, picture, kind, fault):
@@ -85,6 +86,24 @@ def test_what_is_no_picture_of_the_networks_size_is_refused(model, film, picture
 def test_keypoints_of_another_model_are_refused(model, film, shape):
     with pytest.raises(ValueError, match=r"\(frames, 15, 2\), got"):
         model.animate(film[0], torch.zeros(shape))
+
+
+@pytest.mark.usefixtures("without_type_hook")
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), 1e30, -4.0])
+def test_keypoints_that_are_nowhere_near_are_refused(model, film, value):
+    keypoints = model.keypoints(film[:2]).clone()
+    keypoints[1, 3, 0] = value
+    with pytest.raises(ValueError, match="finite and within 3 image units"):
+        model.animate(film[0], keypoints)
+
+
+@pytest.mark.usefixtures("without_type_hook")
+@pytest.mark.parametrize("wrong", [None, [1, 2], torch.zeros(2, 15, 2).double()])
+def test_what_is_no_tensor_of_single_precision_is_refused(model, film, wrong):
+    with pytest.raises(TypeError, match="keypoints must be a float32 tensor"):
+        model.animate(film[0], wrong)
+    with pytest.raises(TypeError, match="picture must be a float32 tensor"):
+        model.animate(wrong, model.keypoints(film[:1]))
 
 
 def test_a_film_without_frames_is_refused(model):
