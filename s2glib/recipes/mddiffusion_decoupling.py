@@ -133,7 +133,8 @@ class LabelObjective(nn.Module):
 def draw(video: VideoFrames, lesson: Lesson, labelled: bool, chance: Chance) -> DecouplingStep:
     """Pairs of frames, each mirrored and coloured by chance; a bend; how many warps may drop out.
 
-    Without labels pairs are near ones at first.
+    Without labels pairs are near ones at first. With labels every limb has one warp, for which no
+    other can stand in: none drops out.
     """
     count, longest = lesson.course.batch, int(video.lengths.max())
     furthest = longest if labelled else reach(lesson, chance.progress, longest)
@@ -145,7 +146,7 @@ def draw(video: VideoFrames, lesson: Lesson, labelled: bool, chance: Chance) -> 
         augmentation.mirror(1 + lesson.moving * video.moving(clips)),
         labels_of(video, driving, augmentation) if labelled else None,
         random_tps(count, generator=chance.generator),
-        warp_dropout(chance.progress),
+        0.0 if labelled else warp_dropout(chance.progress),
     )
 
 

@@ -96,6 +96,7 @@ def test_each_network_learns_from_its_own_loss_only(video, repair):
 def test_a_step_counts_the_moving_quarter_more(video):
     step = decoupling.draw(video, LESSON, False, chance())
     assert step.labels is None
+    assert decoupling.draw(video, LESSON, False, chance(progress=0.1)).dropout == 0.5
     assert set(step.weight.unique().tolist()) == {1.0, 7.0}
     assert step.source.shape == step.driving.shape == (4, 3, 32, 32)
     assert len(step.bend.affine) == 4
@@ -110,7 +111,8 @@ def test_a_step_of_refinement_has_the_masks_of_its_driving_picture(video):
 
 
 def test_labels_are_mirrored_with_their_pictures(video):
-    step = decoupling.draw(video, LESSON, True, chance())
+    step = decoupling.draw(video, LESSON, True, chance(progress=0.1))
+    assert step.dropout == 0.0
     rows = video.pairs(4, np.random.default_rng(0), furthest=12).driving
     plain = limb_points(video.keypoints[rows])
     mirrored = limb_points(mirrored_keypoints(video.keypoints[rows]))
