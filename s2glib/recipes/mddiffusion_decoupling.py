@@ -228,8 +228,11 @@ def first_keypoints(
 def put_on_limbs(
     stage: Stage, part: str, model: MotionDecoupler, course: Course, video: VideoFrames
 ) -> dict[str, Any]:
-    """Teach the keypoint predictor the labels; the record of that, for the run's record."""
-    steps = min(course.steps, stage.steps or course.steps)
+    """Teach the keypoint predictor the labels; the record of that, for the run's record.
+
+    A step costs a tenth of the decoupler's, so a short run has four times as many of them.
+    """
+    steps = min(course.steps, 4 * (stage.steps or course.steps))
     course = replace(course, seed=stage.seed, steps=steps)
     drawn = partial(draw_labelled, video, course)
     kept, record = stage.train(f"{part}-labels", LabelObjective(model.keypoints), course, drawn)

@@ -12,6 +12,7 @@ from small_video import SMALL_DECOUPLING, SMALL_REFINEMENT, noise_film
 from s2glib.checkpoint import load_checkpoint, read_metadata
 from s2glib.layers import PyramidFeatures
 from s2glib.papers.mddiffusion import (
+    KeypointPredictor,
     MotionDecoupler,
     PatchDiscriminator,
     RefinementNet,
@@ -21,6 +22,7 @@ from s2glib.recipes import Chance, Course, Stage, Training, footage
 from s2glib.recipes import mddiffusion_ablation as ablation
 from s2glib.recipes import mddiffusion_decoupling as decoupling
 from s2glib.recipes import mddiffusion_refinement as refinement
+from s2glib.recipes import mddiffusion_unlabelled as unlabelled
 from s2glib.recipes.limb_points import ALONG, LIMBS, limb_points, mirrored_keypoints
 from s2glib.recipes.video_data import VideoFrames
 
@@ -127,7 +129,7 @@ def test_labels_are_mirrored_with_their_pictures(video):
 def test_where_labels_are_known_keypoints_go_there_first(tmp_path, video):
     config = replace(SMALL_DECOUPLING, transforms=len(LIMBS), points=len(ALONG))
     lesson = replace(LESSON, labelled=replace(COURSE, steps=40))
-    stage = Stage("mddiffusion-decoupling", tmp_path, steps=40)
+    stage = Stage("mddiffusion-decoupling", tmp_path, steps=10)
     assert decoupling.has_labels(video, config)
     model, record = decoupling.fit_decoupler(stage, "some", config, lesson, video)
     errors = [point["labelled"] for point in record["labels"]["curve"]]
@@ -138,7 +140,7 @@ def test_where_labels_are_known_keypoints_go_there_first(tmp_path, video):
     start = MotionDecoupler(config).keypoints
     start.start_at(decoupling.first_keypoints(video, config, True, 0))
     before, after = (
-        float(label_error(each.eval()(video.images(ROWS)), limb_points(video.keypoints[ROWS])))
+        label_error(each.eval()(video.images(ROWS)), limb_points(video.keypoints[ROWS])).item()
         for each in (start, model.keypoints)
     )
     assert after < before
@@ -194,6 +196,16 @@ def test_both_stages_run_and_leave_their_checkpoints(tmp_path, short):
     run = json.loads((tmp_path / "runs" / "mddiffusion-decoupling-teaching-0.json").read_text())
     assert set(run["figures"]) == {"made / copied", "warped / copied", "mean / copied", "wrists R2"}
     assert np.isfinite(list(run["figures"].values())).all()
+
+
+def test_without_labels_only_the_keypoint_predictor_is_kept(tmp_path, short, monkeypatch):
+    monkeypatch.setattr(unlabelled, "CONFIG", SMALL_DECOUPLING)
+    unlabelled.train(Stage("mddiffusion-unlabelled", tmp_path, steps=1))
+    kept = tmp_path / "checkpoints" / "mddiffusion-unlabelled.safetensors"
+    assert load_checkpoint(kept, KeypointPredictor).config == SMALL_DECOUPLING
+    run = json.loads((tmp_path / "runs" / "mddiffusion-unlabelled-teaching-0.json").read_text())
+    assert "labels" not in run
+    assert set(run["figures"]) == {"made / copied", "hand: made / copied", "wrists R2"}
 
 
 @pytest.fixture
