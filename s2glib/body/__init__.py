@@ -1,7 +1,7 @@
 """Bodies: the skeleton, rotations, motions, skinned surfaces, and their files."""
 
 from s2glib.body.bvh import Bvh, read_bvh, write_bvh
-from s2glib.body.export import write_glb, write_npz
+from s2glib.body.export import read_npz, write_glb, write_npz
 from s2glib.body.keypoints2d import BODY_POINTS, HAND_POINTS, upper_body_points
 from s2glib.body.kinematics import Kinematics, forward_kinematics
 from s2glib.body.mannequin import build_mannequin, mannequin, save_mannequin
@@ -51,6 +51,7 @@ __all__ = [
     "matrix_to_axis_angle",
     "matrix_to_sixd",
     "read_bvh",
+    "read_npz",
     "save_mannequin",
     "sixd_to_matrix",
     "skin_motion",

@@ -6,6 +6,7 @@ Notebook: notebooks/01_motion_and_sound.ipynb
 
 import os
 from collections.abc import Iterator
+from zipfile import BadZipFile
 
 import numpy as np
 import pygltflib as gltf
@@ -17,6 +18,9 @@ from s2glib.body.motion import Motion
 from s2glib.body.skeleton import FACE_CURVES, JOINT_NAMES
 from s2glib.body.skinning import BodyModel
 from s2glib.body.whole_file import whole_file
+
+_FACE = "s2g_expressions"
+_TRACKS = ("poses", "trans", "mocap_frame_rate", "mocap_framerate", _FACE)
 
 
 def write_npz(path: str | os.PathLike[str], motion: Motion) -> None:
@@ -38,6 +42,39 @@ def write_npz(path: str | os.PathLike[str], motion: Motion) -> None:
             s2g_expressions=_floats(motion.expression[:, : len(FACE_CURVES)]),
             s2g_expression_names=np.array(FACE_CURVES),
         )
+
+
+def read_npz(path: str | os.PathLike[str]) -> Motion:
+    """Read a motion that `write_npz` or another SMPL-X tool has written.
+
+    A face is read where the file holds our face curves; SMPL-X's own components are left out.
+
+    Raises:
+        FileNotFoundError: if there is no such file.
+        ValueError: if it is no npz, or lacks poses of 55 joints, their places or their frame rate.
+    """
+    if not os.path.isfile(path):
+        raise FileNotFoundError(f"there is no motion file at {path}; check the path")
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            tracks = {name: file[name] for name in file.files if name in _TRACKS}
+    except (ValueError, OSError, TypeError, BadZipFile) as error:
+        raise ValueError(f"{path} is no npz of numbers; write one with write_npz") from error
+    rate = tracks.get("mocap_frame_rate", tracks.get("mocap_framerate"))
+    shapes = [tracks[name].shape[1:] for name in ("poses", "trans") if name in tracks]
+    face = tracks.get(_FACE, np.zeros((len(tracks.get("poses", ())), 0)))
+    whole = shapes == [(3 * len(JOINT_NAMES),), (3,)] and face.ndim == 2
+    if rate is None or np.size(rate) != 1 or not whole:
+        raise ValueError(
+            f"{path} must hold poses (frames, {3 * len(JOINT_NAMES)}), trans (frames, 3) and "
+            f"mocap_frame_rate; it has {', '.join(tracks) or 'none of them'}"
+        )
+    poses = torch.from_numpy(tracks["poses"].astype(np.float32)).unflatten(1, (-1, 3))
+    trans = torch.from_numpy(tracks["trans"].astype(np.float32))
+    expression = torch.zeros(len(face), 100)
+    curves = torch.from_numpy(face[:, : len(FACE_CURVES)])
+    expression[:, : curves.shape[1]] = curves
+    return Motion(poses, trans, expression, float(np.ravel(rate)[0]))
 
 
 def write_glb(path: str | os.PathLike[str], motion: Motion, body: BodyModel) -> None:

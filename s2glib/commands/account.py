@@ -24,6 +24,7 @@ def describe_job(job: Job, sounds: Mapping[str, Waveform]) -> dict[str, Any]:
     """What was asked for."""
     files = {"speech": job.speech, **job.donors}
     return {
+        "system": "amuse",
         "told": job.told,
         "inputs": {
             name: {"file": str(path), "seconds": sounds[name].duration}
@@ -81,8 +82,9 @@ def versions() -> dict[str, str]:
 
 def tell(report: Mapping[str, Any]) -> None:
     """Print what matters of a report."""
-    likely = sorted(report["recognised_emotion"].items(), key=lambda item: -item[1])[:3]
-    print("The speech sounds of", ", ".join(f"{name} ({share:.0%})" for name, share in likely))
+    if "recognised_emotion" in report:
+        likely = sorted(report["recognised_emotion"].items(), key=lambda item: -item[1])[:3]
+        print("The speech sounds of", ", ".join(f"{name} ({share:.0%})" for name, share in likely))
     speeds = (f"{name} {speed:.2f} m/s" for name, speed in report["wrist_speed"].items())
     print("Wrist speed:", ", ".join(speeds))
     print(report["told"])

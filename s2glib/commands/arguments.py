@@ -9,6 +9,9 @@ from pathlib import Path
 
 from s2glib.folders import data_folder
 
+PARTS = ("face", "body", "left_hand", "right_hand")  # in the order of ProbTalk's masks
+NAMED = {part: (part,) for part in PARTS} | {"hands": PARTS[2:], "all": PARTS}
+
 
 def add_gesturing(parser: ArgumentParser) -> None:
     """From a recording to a folder: what `swap` and `generate` both take."""
@@ -24,9 +27,37 @@ def add_gesturing(parser: ArgumentParser) -> None:
     )
 
 
+def positive(text: str) -> int:
+    """A number of steps."""
+    number = int(text)
+    if number < 1:
+        raise ValueError
+    return number
+
+
 def natural(text: str) -> int:
     """A number that can seed a generator."""
     number = int(text)
     if not 0 <= number < 2**63:
         raise ValueError
     return number
+
+
+def frame_spans(text: str) -> list[slice]:
+    """Frames, a:b, or several with commas; without a from the first, without b to the last."""
+    found = []
+    for piece in text.split(","):
+        start, stop = (int(end) if end.strip() else None for end in piece.split(":"))
+        if (start or 0) < 0 or (stop is not None and stop <= (start or 0)):
+            raise ValueError
+        found.append(slice(start, stop))
+    return found
+
+
+def part_names(text: str) -> list[str]:
+    """Parts of the body, one or several with commas."""
+    names = [name.strip() for name in text.split(",")]
+    if not NAMED.keys() >= set(names):
+        raise ValueError
+    wanted = {part for name in names for part in NAMED[name]}
+    return [part for part in PARTS if part in wanted]

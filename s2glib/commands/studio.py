@@ -8,6 +8,7 @@ import json
 import warnings
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any, Protocol, runtime_checkable
 
 import torch
 
@@ -23,6 +24,23 @@ from s2glib.widgets import write_html
 
 SHOWN = 10 * 60  # seconds that gesture.html holds: 50 MB; for more a browser takes a gigabyte
 FILES = ("motion.npz", "motion.glb", "motion.bvh", "gesture.html", "report.json")
+
+
+@runtime_checkable
+class Told(Protocol):
+    """What the files say of a job."""
+
+    @property
+    def speech(self) -> Path:
+        """The sound file."""
+
+    @property
+    def out(self) -> Path:
+        """Where the files are wanted."""
+
+    @property
+    def told(self) -> str:
+        """What was done, in a few sentences."""
 
 
 def perform(job: Job) -> None:
@@ -50,9 +68,7 @@ def perform(job: Job) -> None:
         report |= describe_result(amuse, heard["source"], motions, body)
         with diary.step("write"), writing(job.out):
             write_motions(folder, motions, sounds["speech"], body, job)
-        report |= {"seconds": diary.seconds, "warnings": diary.warnings}
-        with writing(job.out):
-            (folder / "report.json").write_text(json.dumps(report, indent=2) + "\n", "utf-8")
+        write_report(folder, report, diary, job)
     tell(report)
     print(f"Wrote {', '.join(FILES)} to {job.out}")
 
@@ -75,7 +91,7 @@ def gesture(amuse: Amuse, heard: Mapping[str, Heard], seed: int) -> dict[str, Mo
 
 
 def write_motions(
-    folder: Path, motions: Mapping[str, Motion], waveform: Waveform, body: BodyModel, job: Job
+    folder: Path, motions: Mapping[str, Motion], waveform: Waveform, body: BodyModel, job: Told
 ) -> None:
     """The last motion as npz, GLB and BVH; all of them, with the sound, on a page."""
     shown = list(motions)[-1]
@@ -86,7 +102,7 @@ def write_motions(
 
 
 def write_page(
-    path: Path, motions: Mapping[str, Motion], waveform: Waveform, body: BodyModel, job: Job
+    path: Path, motions: Mapping[str, Motion], waveform: Waveform, body: BodyModel, job: Told
 ) -> None:
     """The first `SHOWN` seconds on a page; where that is not all, page and warning say so."""
     told, view = job.told, list(motions)[-1]
@@ -99,6 +115,13 @@ def write_page(
     heard = Waveform(waveform.samples[: SHOWN * waveform.sample_rate], waveform.sample_rate)
     seen = {name: opening(motion) for name, motion in motions.items()}
     write_html(path, seen, heard, body, title=job.speech.name, text=told, view=view)
+
+
+def write_report(folder: Path, report: dict[str, Any], diary: Diary, job: Told) -> None:
+    """The account of a job, with the time that its steps took."""
+    report |= {"seconds": diary.seconds, "warnings": diary.warnings}
+    with writing(job.out):
+        (folder / "report.json").write_text(json.dumps(report, indent=2) + "\n", "utf-8")
 
 
 def opening(motion: Motion) -> Motion:

@@ -7,13 +7,22 @@ Notebook: -
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
+from s2glib.commands.arguments import natural, positive
+
 STAGES = {
     "amuse-disentangler": "s2glib.recipes.amuse_disentangler",
     "amuse-gestures": "s2glib.recipes.amuse_gestures",
     "amuse-extractor": "s2glib.recipes.amuse_extractor",
     "mddiffusion-decoupling": "s2glib.recipes.mddiffusion_decoupling",
     "mddiffusion-refinement": "s2glib.recipes.mddiffusion_refinement",
+    "mddiffusion-unlabelled": "s2glib.recipes.mddiffusion_unlabelled",
     "mddiffusion-ablation": "s2glib.recipes.mddiffusion_ablation",
+    "probtalk-pqvae": "s2glib.recipes.probtalk_pqvae",
+    "probtalk-codes": "s2glib.recipes.probtalk_codes",
+    "probtalk-predictor": "s2glib.recipes.probtalk_predictor",
+    "probtalk-refiner": "s2glib.recipes.probtalk_refiner",
+    "probtalk-features": "s2glib.recipes.probtalk_features",
+    "probtalk-speakers": "s2glib.recipes.probtalk_speakers",
 }
 TAKES_DATA = ("mddiffusion-decoupling", "mddiffusion-refinement")
 
@@ -30,8 +39,8 @@ def describe(parser: ArgumentParser) -> None:
         f"{' and '.join(TAKES_DATA)}",
     )
     parser.add_argument("--out", type=Path, default=Path("trained"), help="for files of the stage")
-    parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--steps", type=int, help="instead of the recipe's number")
+    parser.add_argument("--seed", type=natural, default=0)
+    parser.add_argument("--steps", type=positive, help="instead of the recipe's number")
     parser.add_argument("--resume", action="store_true", help="go on from the saved state")
 
 

@@ -19,6 +19,7 @@ from jaxtyping import Float, Float16
 from tqdm import tqdm
 
 from s2glib.audio import Waveform, onset_times
+from s2glib.body import FACE_CURVES
 from s2glib.corpus.clock import Timing, readings, timing
 from s2glib.corpus.gestures import render_gestures
 from s2glib.corpus.intensity import intensity
@@ -144,6 +145,14 @@ def motion_set(wanted: Iterable[Cell | Request], *, processes: int | None = None
     return MotionSet([entry["poses"] for entry in found], 30)
 
 
+def face_set(
+    wanted: Iterable[Cell | Request], *, processes: int | None = None
+) -> list[Float16[np.ndarray, "_ curves"]]:
+    """`FACE_CURVES` of the requested clips, rendered where the cache lacks them."""
+    requests = [Request(each) if isinstance(each, Cell) else each for each in wanted]
+    return [entry["face"] for entry in _gather("face", requests, _render_face, processes)]
+
+
 def onset_set(
     requests: Sequence[Request], *, processes: int | None = None
 ) -> list[Float[np.ndarray, " _"]]:
@@ -182,6 +191,11 @@ def _render_onsets(request: Request) -> dict[str, np.ndarray]:
 def _render_poses(request: Request) -> dict[str, np.ndarray]:
     clip = render_motion(request.cell, clock_of=request.clock_of)
     return {"poses": clip.motion.poses.numpy().astype(np.float16)}
+
+
+def _render_face(request: Request) -> dict[str, np.ndarray]:
+    face = render_motion(request.cell, clock_of=request.clock_of).motion.expression
+    return {"face": face[:, : len(FACE_CURVES)].numpy().astype(np.float16)}
 
 
 def _gather(

@@ -4,6 +4,7 @@ from s2glib.layers.attention import SelfAttention
 from s2glib.layers.batches import in_batches
 from s2glib.layers.conditioning import AdaptiveLayer, FiLM
 from s2glib.layers.embeddings import fixed_positions, sinusoidal_embedding
+from s2glib.layers.gated_conv import GatedConv
 from s2glib.layers.image_blocks import (
     DownBlock,
     Hourglass,
@@ -28,6 +29,7 @@ __all__ = [
     "ContextBlock",
     "DownBlock",
     "FiLM",
+    "GatedConv",
     "Hourglass",
     "PyramidFeatures",
     "ResNet",

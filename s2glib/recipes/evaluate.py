@@ -4,14 +4,17 @@ Paper:    AM Tab. 1-2, A.1-A.2
 Notebook: notebooks/17_motion_distances.ipynb
 """
 
+import shutil
 import sys
+from collections.abc import Iterable
 from pathlib import Path
 
 from s2glib.folders import cache_folder, data_folder, runs_folder
-from s2glib.recipes import mddiffusion_ablation
+from s2glib.recipes import mddiffusion_ablation, probtalk_codes, probtalk_speakers
 from s2glib.recipes.evaluate_amuse_gesture import evaluate_amuse_gesture
 from s2glib.recipes.evaluate_amuse_speech import evaluate_amuse_speech
 from s2glib.recipes.evaluate_mddiffusion_video import ablation_rows, evaluate_mddiffusion_video
+from s2glib.recipes.evaluate_probtalk import evaluate_probtalk, recorded_rows
 from s2glib.recipes.report import Row, table, write_rows
 from s2glib.recipes.stage import Stage
 
@@ -19,8 +22,13 @@ TABLES = {
     "amuse-speech": evaluate_amuse_speech,
     "amuse-gesture": evaluate_amuse_gesture,
     "mddiffusion-video": evaluate_mddiffusion_video,
+    "probtalk": evaluate_probtalk,
 }
-RECORDED = {"mddiffusion-video": ablation_rows}
+RECORDED = {"mddiffusion-video": ablation_rows, "probtalk": recorded_rows}
+STUDIES = {  # the recorded runs, by table and by stage
+    "mddiffusion-video": {"mddiffusion-ablation": mddiffusion_ablation},
+    "probtalk": {"probtalk-codes": probtalk_codes, "probtalk-speakers": probtalk_speakers},
+}
 NAMES = (*TABLES, "all")
 
 
@@ -52,7 +60,8 @@ def evaluate(
         raise ValueError(f"there are tables for {', '.join(NAMES)}; got {name!r}")
     folder = folder or data_folder() / "checkpoints"
     chosen = list(TABLES) if name == "all" else [name]
-    runs = _retrained() if retrain and set(chosen) & set(RECORDED) else runs_folder()
+    again = [one for one in chosen if one in RECORDED] if retrain else []
+    runs = _retrained(again, folder) if again else runs_folder()
     try:
         rows = [row for one in chosen for row in _rows(one, folder, runs)]
     except ImportError as error:
@@ -74,9 +83,12 @@ def _rows(name: str, folder: Path, runs: Path) -> list[Row]:
     return [*measured, *RECORDED[name](runs)] if name in RECORDED else measured
 
 
-def _retrained() -> Path:
-    """Do the runs of the ablation again, in the cache; where they now stand recorded."""
+def _retrained(names: Iterable[str], checkpoints: Path) -> Path:
+    """Do the recorded runs of tables again, in the cache; where they now stand recorded."""
     folder = cache_folder() / "retrained"
-    for seed in mddiffusion_ablation.SEEDS:
-        mddiffusion_ablation.train(Stage(mddiffusion_ablation.STAGE, folder, seed=seed))
+    shutil.copytree(checkpoints, folder / "checkpoints", dirs_exist_ok=True)  # some begin there
+    for name in names:
+        for stage, study in STUDIES[name].items():
+            for seed in study.SEEDS:
+                study.train(Stage(stage, folder, seed=seed))
     return folder / "runs"

@@ -112,4 +112,28 @@ MDDIFFUSION_VIDEO = {
     "wrists in keypoints, R2 above untrained": Target(None, Bounds(low=0.20)),
 }
 
-TARGETS: dict[str, Target] = AMUSE_SPEECH | AMUSE_GESTURE | AMUSE_SEAMS | MDDIFFUSION_VIDEO
+PROBTALK = {
+    "codes: perplexity / codes, least used group": _least(0.5, 0.5),
+    "codes: wrist error, cm": _most(2.0, 3.0),
+    "true codes: error, refined / pasted": _most(1.0),
+    "true codes: border, refined / pasted": _LESS,
+    "true codes: border, refined / eased": _LESS,
+    "FGD ratio, face, refined": _most(3.0),
+    "FGD ratio, body and hands, refined": _most(3.0),
+    "FGD ratio, all, refined": _most(3.0),
+    "beat margin / real, motion to audio, stressed syllables, refined": _least(0.8),
+    "beat margin / real, audio to motion, stressed syllables, refined": _least(0.8),
+    "speed of wrists / real, refined": _near_one(0.05),
+    "jerk of wrists / real, refined": _most(1.3),
+    "one second kept: border, refined / not": _most(1.0),
+    "one second kept: largest change of it": _most(0.0, 0.0),
+    "best of 32 samples / of 32 real clips": _most(1.0),
+}
+PROBTALK_STUDIES = {  # recorded
+    "short runs: wrist error, cm, PQ / VQ, equal memory": _LESS,
+    "short runs: part-wise error, PQ / VQ, equal memory": _LESS,
+}
+
+TARGETS: dict[str, Target] = (
+    AMUSE_SPEECH | AMUSE_GESTURE | AMUSE_SEAMS | MDDIFFUSION_VIDEO | PROBTALK | PROBTALK_STUDIES
+)

@@ -11,6 +11,7 @@ from s2glib.body import (
     Motion,
     axis_angle_to_matrix,
     mannequin,
+    read_npz,
     skin_motion,
     write_glb,
     write_npz,
@@ -205,3 +206,65 @@ def test_a_failed_write_leaves_the_old_file(tmp_path, monkeypatch):
         write_npz(path, waving_motion(9))
     assert path.read_bytes() == before
     assert [left.name for left in tmp_path.iterdir()] == ["motion.npz"]
+
+
+@pytest.mark.parametrize("dtype", [torch.float32, torch.float64])
+def test_an_npz_comes_back_as_it_was_written(tmp_path, dtype):
+    written = waving_motion(20)
+    written = Motion(*(getattr(written, name).to(dtype) for name in TRACKS), written.fps)
+    write_npz(tmp_path / "motion.npz", written)
+    read = read_npz(tmp_path / "motion.npz")
+    assert read.fps == written.fps
+    assert torch.equal(read.poses, written.poses.float())
+    assert torch.equal(read.trans, written.trans.float())
+    curves = len(FACE_CURVES)
+    assert torch.equal(read.expression[:, :curves], written.expression[:, :curves].float())
+    assert not read.expression[:, curves:].any()
+
+
+TRACKS = ("poses", "trans", "expression")
+
+
+def test_an_npz_of_other_smplx_tools_has_no_face_of_ours(tmp_path):
+    path = tmp_path / "amass.npz"
+    poses = np.random.default_rng(0).normal(size=(7, 165))
+    np.savez(path, poses=poses, trans=np.ones((7, 3)), mocap_framerate=25, expressions=poses)
+    read = read_npz(path)
+    np.testing.assert_allclose(read.poses.flatten(1), poses, rtol=1e-6)
+    assert read.fps == 25
+    assert not read.expression.any()
+
+
+@pytest.mark.parametrize(
+    ("fields", "reason"),
+    [
+        ({}, "none of them"),
+        ({"poses": np.zeros((4, 165)), "trans": np.zeros((4, 3))}, "it has poses, trans"),
+        ({"poses": np.zeros((4, 156)), "trans": np.zeros((4, 3)), "mocap_frame_rate": 30}, "165"),
+        ({"poses": np.zeros((0, 165)), "trans": np.zeros((0, 3)), "mocap_frame_rate": 30}, "no fr"),
+        (
+            {"poses": np.zeros((4, 165)), "trans": np.zeros((3, 3)), "mocap_frame_rate": 30},
+            "differ",
+        ),
+        (
+            {"poses": np.full((4, 165), np.nan), "trans": np.zeros((4, 3)), "mocap_frame_rate": 30},
+            "NaN",
+        ),
+    ],
+)
+def test_an_npz_that_holds_no_motion(without_type_hook, tmp_path, fields, reason):
+    path = tmp_path / "motion.npz"
+    np.savez(path, **fields)
+    with pytest.raises(ValueError, match=reason):
+        read_npz(path)
+
+
+def test_what_is_no_npz(tmp_path):
+    with pytest.raises(FileNotFoundError, match="no motion file at"):
+        read_npz(tmp_path / "none.npz")
+    (tmp_path / "text.npz").write_text("a letter")
+    with pytest.raises(ValueError, match="no npz"):
+        read_npz(tmp_path / "text.npz")
+    np.save(tmp_path / "one.npy", np.zeros(3))
+    with pytest.raises(ValueError, match="no npz"):
+        read_npz(tmp_path / "one.npy")

@@ -17,6 +17,9 @@ from s2glib.papers.amuse.latent_denoiser import LatentDenoiser
 from s2glib.papers.amuse.motion_prior import MotionPrior
 from s2glib.papers.amuse.speech_face import FaceConfig, SpeechFace
 from s2glib.papers.amuse.stress_listener import StressConfig, StressListener
+from s2glib.papers.probtalk import PQVAE, TEACHING_PQVAE, TEACHING_PREDICTOR, Predictor
+from s2glib.papers.probtalk.config import TEACHING_REFINER
+from s2glib.papers.probtalk.refiner import Refiner
 
 
 def untrained() -> dict[str, torch.nn.Module]:
@@ -39,6 +42,17 @@ def untrained() -> dict[str, torch.nn.Module]:
     }
 
 
+def untrained_holistic() -> dict[str, torch.nn.Module]:
+    """ProbTalk's networks."""
+    torch.manual_seed(0)
+    pqvae, refiner = PQVAE(TEACHING_PQVAE), Refiner(TEACHING_REFINER)
+    pqvae.features.fit(0.3 * torch.randn(200, 55, 3), torch.rand(200, 100))
+    for parameter in pqvae.decoder.parameters():
+        torch.nn.init.normal_(parameter, std=0.1)
+    refiner.features.load_state_dict(pqvae.features.state_dict())
+    return {"pqvae": pqvae, "predictor": Predictor(TEACHING_PREDICTOR), "refiner": refiner}
+
+
 def sentence(seconds: float, rate: int = 16000) -> np.ndarray:
     """Four syllables a second of a buzzing voice."""
     time = np.arange(round(seconds * rate)) / rate
@@ -51,9 +65,10 @@ def data(tmp_path_factory):
     """What `data_samples` is to a reader."""
     folder = tmp_path_factory.mktemp("data")
     save_mannequin(capsule_body(), folder / "mannequin.safetensors")
-    for name, model in untrained().items():
-        path = folder / "checkpoints" / f"amuse-{name}.safetensors"
-        save_checkpoint(path, model, model.config)
+    for system, networks in (("amuse", untrained()), ("probtalk", untrained_holistic())):
+        for name, model in networks.items():
+            path = folder / "checkpoints" / f"{system}-{name}.safetensors"
+            save_checkpoint(path, model, model.config)
     return folder
 
 

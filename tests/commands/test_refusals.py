@@ -82,8 +82,8 @@ def test_nothing_to_swap(record, refused):
 
 
 def test_a_system_that_is_not_built(record, refused):
-    sentence = refused("generate", record(), "--system", "probtalk", "--out", "out")
-    assert "probtalk is not built yet" in sentence
+    sentence = refused("generate", record(), "--system", "mddiffusion", "--out", "out")
+    assert "mddiffusion is not built yet" in sentence
 
 
 @pytest.mark.parametrize("out", ["file", "file/below", "file/far/below"])

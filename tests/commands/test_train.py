@@ -21,3 +21,11 @@ def test_a_folder_that_is_not_there(here, capsys):
     (sentence,) = capsys.readouterr().err.splitlines()
     assert sentence.endswith("there is no folder of films at films; check the path")
     assert not list(here.iterdir())
+
+
+@pytest.mark.parametrize("wrong", [("--steps", "0"), ("--steps", "-3"), ("--seed", "-1")])
+def test_no_steps_and_no_seed_are_refused(capsys, wrong):
+    with pytest.raises(SystemExit) as left:
+        main(["train", "mddiffusion-decoupling", *wrong])
+    assert left.value.code == 2
+    assert wrong[0] in capsys.readouterr().err

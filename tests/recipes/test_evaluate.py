@@ -19,6 +19,8 @@ def measured(monkeypatch):
         monkeypatch.setitem(module.TABLES, "amuse-gesture", lambda folder: list(gesture))
         monkeypatch.setitem(module.TABLES, "mddiffusion-video", lambda folder: [])
         monkeypatch.setitem(module.RECORDED, "mddiffusion-video", lambda runs: list(recorded))
+        monkeypatch.setitem(module.TABLES, "probtalk", lambda folder: [])
+        monkeypatch.setitem(module.RECORDED, "probtalk", lambda runs: [])
 
     return tables
 
@@ -58,7 +60,7 @@ def test_without_the_corpus_extra_it_says_so_in_one_line_and_writes_nothing(
 
 def test_an_unknown_table_is_refused_by_naming_the_known_ones():
     with pytest.raises(
-        ValueError, match="amuse-speech, amuse-gesture, mddiffusion-video, all; got 'amuse'"
+        ValueError, match="amuse-gesture, mddiffusion-video, probtalk, all; got 'amuse'"
     ):
         evaluate("amuse")
 
@@ -69,6 +71,7 @@ def test_an_unknown_table_is_refused_by_naming_the_known_ones():
         ("amuse-speech", "amuse-disentangler"),
         ("amuse-gesture", "amuse-disentangler"),
         ("mddiffusion-video", "mddiffusion-decoupling"),
+        ("probtalk", "probtalk-pqvae"),
     ],
 )
 def test_a_missing_checkpoint_is_named(name, missing, tmp_path):
@@ -82,15 +85,20 @@ def test_recorded_rows_say_so(measured, capsys):
     assert "(recorded)" in capsys.readouterr().out
 
 
-def test_recorded_runs_can_be_done_again(measured, monkeypatch, tmp_path):
+@pytest.mark.parametrize("table", module.STUDIES)
+def test_recorded_runs_can_be_done_again(measured, monkeypatch, tmp_path, table):
     measured([])
-    monkeypatch.setenv("S2G_CACHE", str(tmp_path))
-    trained, read = [], []
-    monkeypatch.setattr(module.mddiffusion_ablation, "train", trained.append)
-    monkeypatch.setitem(
-        module.RECORDED, "mddiffusion-video", lambda runs: read.append(runs) or [GOOD]
-    )
-    evaluate("mddiffusion-video", retrain=True)
-    assert [stage.seed for stage in trained] == [0, 1, 2]
+    monkeypatch.setenv("S2G_CACHE", str(tmp_path / "cache"))
+    shipped = tmp_path / "shipped"
+    shipped.mkdir()
+    (shipped / "begin.safetensors").write_bytes(b"here")
+    trained, read, studies = [], [], module.STUDIES[table]
+    for study in studies.values():
+        monkeypatch.setattr(study, "train", trained.append)
+    monkeypatch.setitem(module.RECORDED, table, lambda runs: read.append(runs) or [GOOD])
+    evaluate(table, retrain=True, folder=shipped)
+    expected = [(name, seed) for name, study in studies.items() for seed in study.SEEDS]
+    assert [(stage.name, stage.seed) for stage in trained] == expected
     assert read == [trained[0].folder / "runs"]
-    assert tmp_path in read[0].parents
+    assert tmp_path / "cache" in read[0].parents
+    assert (trained[0].folder / "checkpoints" / "begin.safetensors").read_bytes() == b"here"

@@ -125,5 +125,5 @@ def test_pictures_and_masks_of_other_sizes_are_refused(cut, truths):
 def test_what_is_no_picture_and_no_mask_is_told(place):
     parts = list(scene())
     parts[place] = None
-    with pytest.raises(TypeError, match="expected a picture, its truths and their Masks, got .*None"):
+    with pytest.raises(TypeError, match=r"expected a picture, .* got .*None"):
         LossMixer(*parts)

@@ -1,0 +1,207 @@
+"""From a recording to a moving body and face, around whatever motion is to be kept.
+
+Paper:    PT A.2, A.3 (inference)
+Notebook: notebooks/07_refiner.ipynb
+"""
+
+from numbers import Integral
+from pathlib import Path
+from typing import NamedTuple
+
+import torch
+from jaxtyping import Bool, Float, Int
+from torch import Tensor
+
+from s2glib.audio import Waveform, resample
+from s2glib.body import Motion
+from s2glib.checkpoint import load_checkpoint
+from s2glib.papers.probtalk.keeping import eased, embody, kept_parts, to_length
+from s2glib.papers.probtalk.motion_features import PARTS
+from s2glib.papers.probtalk.pqvae import PQVAE
+from s2glib.papers.probtalk.predictor import Predictor
+from s2glib.papers.probtalk.refiner import Refiner
+from s2glib.papers.probtalk.speech_features import MOTION_FPS, SAMPLE_RATE, Hear, log_mels
+
+OVERLAP = 3  # tokens that a window shares with the one before; authors' code
+
+
+class Asked(NamedTuple):
+    """What is asked for, frame by frame; `given` counts only where `known` says so."""
+
+    speech: Float[Tensor, "batch frames speech"]
+    given: Float[Tensor, "batch frames motion"]
+    known: Bool[Tensor, "batch frames 4"]
+    speaker: Int[Tensor, " batch"]
+
+    def window(self, frames: slice) -> "Asked":
+        """A part in time."""
+        speech, given, known = (track[:, frames] for track in self[:3])
+        return Asked(speech, given, known, self.speaker)
+
+
+class ProbTalk:
+    """The trained networks and how they work together.
+
+    Args:
+        pqvae: codes to motion.
+        predictor: speech to codes.
+        refiner: what the codes could not say; may be left out.
+        hear: speech features, as many numbers a frame as the predictor wants.
+
+    Raises:
+        ValueError: if the networks were not made for each other.
+    """
+
+    def __init__(
+        self,
+        pqvae: PQVAE,
+        predictor: Predictor,
+        refiner: Refiner | None = None,
+        hear: Hear = log_mels,
+    ):
+        self.pqvae, self.predictor = pqvae.eval(), predictor.eval()
+        self.refiner = None if refiner is None else refiner.eval()
+        self.hear = hear
+        self._check_sizes()
+
+    @classmethod
+    def load(cls, folder: Path, hear: Hear = log_mels) -> "ProbTalk":
+        """Read the three checkpoints of a folder.
+
+        Raises:
+            FileNotFoundError: if one is missing.
+            ValueError: if one is not what it should be, or they do not belong together.
+        """
+        return cls(
+            load_checkpoint(folder / "probtalk-pqvae.safetensors", PQVAE),
+            load_checkpoint(folder / "probtalk-predictor.safetensors", Predictor),
+            load_checkpoint(folder / "probtalk-refiner.safetensors", Refiner),
+            hear,
+        )
+
+    def _check_sizes(self) -> None:
+        pqvae, predictor = self.pqvae.config, self.predictor.config
+        sizes = {
+            "numbers a frame": [pqvae.size, predictor.motion],
+            "groups": [pqvae.groups, predictor.groups],
+            "codes": [pqvae.codes, predictor.codes],
+        }
+        if self.refiner is not None:
+            refiner = self.refiner.config
+            sizes["numbers a frame"].append(self.refiner.features.size)
+            sizes["speech"] = [predictor.speech, refiner.speech]
+            sizes["parts of the mask"] = [predictor.context_parts, refiner.context_parts]
+            sizes["speakers"] = [predictor.speakers, refiner.speakers]
+        for what, found in sizes.items():
+            if len(set(found)) > 1:
+                raise ValueError(
+                    f"these networks were not made for each other: {what} differ "
+                    f"({' and '.join(map(str, found))}); take all of them from one training"
+                )
+
+    @torch.no_grad()
+    def generate(
+        self,
+        waveform: Waveform,
+        *,
+        known: Motion | None = None,
+        context_mask: Bool[Tensor, "frames 4"] | None = None,
+        speaker: int = 0,
+        steps: int = 8,
+        generator: torch.Generator,
+    ) -> Motion:
+        """Motion for a recording of any length, 30 frames a second.
+
+        Args:
+            waveform: speech.
+            known: motion to keep; its first frame goes with the first of the speech.
+            context_mask: true where `known` is kept, for face, body, left and right hand; without
+                it, all of `known` is kept, and continued if the speech is longer.
+            speaker: whose manner it is.
+            steps: of the decoding of each window.
+            generator: source of chance.
+
+        Returns:
+            Motion in which what was kept stands bit for bit.
+
+        Raises:
+            TypeError: if something is of another type.
+            ValueError: if there is no such speaker, or mask, motion and speech do not fit.
+        """
+        self._check(waveform, speaker)
+        frames = max(1, round(MOTION_FPS * waveform.duration))
+        kept = kept_parts(known, context_mask, frames)
+        asked = self.ask(waveform, frames, known, kept, speaker)
+        track = self.sample(asked, steps=steps, generator=generator)[0, :frames]
+        features = self.pqvae.features
+        return embody(features.to_poses(track), features.to_expression(track), known, kept)
+
+    def _check(self, waveform: Waveform, speaker: int) -> None:
+        if not isinstance(waveform, Waveform):
+            raise TypeError(
+                f"speech comes as a Waveform, got {type(waveform).__name__}; read a file with "
+                "s2glib.audio.load"
+            )
+        if not isinstance(speaker, Integral) or isinstance(speaker, bool):
+            raise TypeError(f"a speaker is a number, got {speaker!r}")
+        speakers = self.predictor.config.speakers
+        if not 0 <= speaker < speakers:
+            raise ValueError(f"speakers are numbered 0 to {speakers - 1}, got {speaker}")
+
+    @torch.no_grad()
+    def ask(
+        self,
+        waveform: Waveform,
+        frames: int,
+        known: Motion | None,
+        kept: Bool[Tensor, "frames 4"],
+        speaker: int,
+    ) -> Asked:
+        """A recording and a known motion as the networks see them, up to the last window's end."""
+        whole = self.window_starts(frames)[-1] + self.pqvae.config.frames
+        samples = resample(waveform.samples, waveform.sample_rate, SAMPLE_RATE)
+        speech = self.hear(samples, whole)
+        given = speech.new_zeros(whole, self.pqvae.config.size)
+        if known is not None:
+            poses, face = (to_length(x, frames).float() for x in (known.poses, known.expression))
+            given[:frames] = self.pqvae.features.from_motion(poses, face)
+        padded = torch.cat([kept, kept.new_zeros(whole - frames, len(PARTS))])
+        return Asked(speech[None], given[None], padded[None], torch.tensor([speaker]))
+
+    def window_starts(self, frames: int) -> list[int]:
+        """First frames of the windows that cover `frames`; the last may reach beyond."""
+        config = self.pqvae.config
+        overlap = OVERLAP * config.window
+        return list(range(0, max(frames - overlap, 1), config.frames - overlap))
+
+    @torch.no_grad()
+    def sample(
+        self, asked: Asked, *, steps: int = 8, generator: torch.Generator
+    ) -> Float[Tensor, "batch frames motion"]:
+        """Motion for whole windows of speech, one after the other.
+
+        A window is given the end of the one before, as if that had always been known.
+        """
+        given, known = asked.given.clone(), asked.known.clone()
+        length = self.pqvae.config.frames
+        for start in self.window_starts(given.shape[1]):
+            here = slice(start, start + length)
+            window = asked._replace(given=given, known=known).window(here)
+            given[:, here] = self._sample_window(window, steps, generator)
+            known[:, here] = True
+        return given
+
+    def _sample_window(
+        self, asked: Asked, steps: int, generator: torch.Generator
+    ) -> Float[Tensor, "batch frames motion"]:
+        speech, given, known, speaker = asked
+        parts = self.predictor.config.context_parts
+        mask = known if parts == len(PARTS) else known.all(dim=-1, keepdim=True)
+        numbers = self.pqvae.features.of_parts(known)
+        context = given * self.pqvae.features.of_parts(mask.expand_as(known))
+        memory = self.predictor.listen(speech, context, mask)
+        *_, last = self.predictor.decode(memory, speaker, steps=steps, generator=generator)
+        made = self.pqvae.decode(last.codes)
+        if self.refiner is not None:
+            made = self.refiner.refine(given, made, speech, mask, speaker)
+        return eased(given, made, numbers)

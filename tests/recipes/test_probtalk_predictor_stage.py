@@ -1,0 +1,182 @@
+"""The stage that trains the Predictor, on small networks and made-up motion."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+
+from s2glib.checkpoint import load_checkpoint, save_checkpoint
+from s2glib.corpus import EMOTIONS, SPEAKERS, Cell
+from s2glib.papers.probtalk import PQVAE, TEACHING_PQVAE, TEACHING_PREDICTOR, Predictor
+from s2glib.papers.probtalk.pipeline import ProbTalk
+from s2glib.recipes import probtalk_predictor as recipe
+from s2glib.recipes.fit import Chance, Course, Training
+from s2glib.recipes.holistic_data import HolisticClips, Tracks
+from s2glib.recipes.predictor_scores import (
+    beat_margins,
+    held_out,
+    nothing_given,
+    predictor_scores,
+    token_scores,
+)
+from s2glib.recipes.stage import Stage
+
+CONFIG = replace(
+    TEACHING_PREDICTOR,
+    audio_width=8,
+    context_widths=(4, 8, 8),
+    width=16,
+    heads=2,
+    layers=1,
+    hidden=16,
+    style=4,
+)
+PQ = replace(TEACHING_PQVAE, widths=(8, 8, 8, 8))
+COURSE = Course(steps=3, batch=8, learning_rate=1e-3, warm_up=1)
+LESSON = recipe.Lesson(COURSE, hidden="random", parts=True)
+CELLS = [Cell(s, v, e, 0) for s in (0, 1) for v in SPEAKERS[:2] for e in EMOTIONS[:2]]
+
+
+@pytest.fixture(autouse=True)
+def seed():
+    torch.manual_seed(0)
+
+
+@pytest.fixture
+def clips(rng):
+    lengths = rng.integers(120, 230, len(CELLS))
+    motion = Tracks(torch.randn(n, 288).cumsum(0) / 10 for n in lengths)
+    speech = Tracks(torch.randn(211, 64) for _ in CELLS)
+    return HolisticClips(CELLS, motion, speech, np.arange(len(CELLS))[::-1].copy())
+
+
+@pytest.fixture
+def pqvae():
+    model = PQVAE(PQ)
+    model.features.fit(0.3 * torch.randn(300, 55, 3), torch.rand(300, 100))
+    return model.eval().requires_grad_(False)
+
+
+@pytest.fixture
+def data(clips, pqvae):
+    return recipe.PredictorData(clips, pqvae, 4)
+
+
+def chance(progress=0.0, seed=0):
+    return Chance(np.random.default_rng(seed), torch.Generator().manual_seed(seed), progress)
+
+
+def test_three_steps_train_every_part_and_leave_the_pqvae_alone(data, pqvae):
+    model = Predictor(CONFIG)
+    before = {name: p.clone() for name, p in model.named_parameters()}
+    codebooks = {name: value.clone() for name, value in pqvae.state_dict().items()}
+    objective = recipe.PredictorObjective(model)
+    logs = list(Training(objective, COURSE).run(lambda c: data.draw(LESSON, model.mask, c)))
+    assert np.isfinite([log.loss for log in logs]).all()
+    assert not [n for n, p in model.named_parameters() if torch.equal(p, before[n])]
+    assert all(torch.equal(v, codebooks[name]) for name, v in pqvae.state_dict().items())
+
+
+def test_targets_are_the_codes_of_the_whole_window(data, pqvae):
+    rows, offsets = np.array([3, 7]), np.array([0, 2])
+    step = data.step(rows, offsets, torch.zeros(2, 176, 4, dtype=torch.bool))
+    assert torch.equal(step.target, pqvae.encode(data.clips.moving(rows, offsets, 176)))
+    assert torch.equal(step.speech, data.clips.heard(rows, offsets, 176))
+    assert step.speaker.tolist() == [SPEAKERS.index(CELLS[row].speaker) for row in rows]
+
+
+def test_only_what_is_known_is_seen(data):
+    known = torch.zeros(1, 176, 4, dtype=torch.bool)
+    known[:, 10:40, 1] = True
+    step = data.step(np.array([0]), np.array([0]), known)
+    motion = data.clips.moving(np.array([0]), np.array([0]), 176)
+    assert torch.equal(step.context[:, 10:40, 6:96], motion[:, 10:40, 6:96])
+    assert step.context.count_nonzero() == motion[:, 10:40, 6:96].count_nonzero()
+    assert torch.equal(step.context_mask, known)
+
+
+def test_with_one_mask_for_all_parts_a_frame_is_known_whole_or_not_at_all(clips, pqvae):
+    known = torch.zeros(1, 176, 4, dtype=torch.bool)
+    known[:, 10:40, 1] = True
+    known[:, 20:30] = True
+    data = recipe.PredictorData(clips, pqvae, 1)
+    step = data.step(np.array([0]), np.array([0]), known)
+    assert step.context_mask.shape == (1, 176, 1)
+    assert step.context_mask[0, :, 0].nonzero()[:, 0].tolist() == [*range(20, 30)]
+    assert not step.context[:, 10:20].any()
+
+
+@pytest.mark.parametrize(("progress", "hidden"), [(0.0, 44), (0.75, 66), (1.0, 88)])
+def test_the_curriculum_hides_more_and_more(data, progress, hidden):
+    lesson = replace(LESSON, hidden="curriculum")
+    step = data.draw(lesson, 128, chance(progress))
+    assert ((step.codes == 128).flatten(1).sum(1) == hidden).all()
+
+
+def test_a_random_share_differs_from_clip_to_clip(data):
+    counts = (data.draw(LESSON, 128, chance()).codes == 128).flatten(1).sum(1)
+    assert len(counts.unique()) > 4
+
+
+def test_all_tokens_count_or_the_hidden_ones(data):
+    model = Predictor(CONFIG).eval()
+    step = data.draw(replace(LESSON, hidden="curriculum"), model.mask, chance())
+    (whole, terms), (hidden, _) = (
+        recipe.PredictorObjective(model, region)(step) for region in ("all", "hidden")
+    )
+    odds = model(*step[1:]).log_softmax(-1).gather(-1, step.target[..., None])[..., 0]
+    torch.testing.assert_close(whole, -odds.mean())
+    torch.testing.assert_close(hidden, -odds[step.codes == model.mask].mean())
+    assert torch.equal(terms["hidden"], hidden)
+
+
+def test_token_scores_are_the_cross_entropy_with_all_hidden(data, pqvae):
+    model = Predictor(CONFIG).eval()
+    windows = held_out(data.clips, 176)
+    scores = token_scores(pqvae, model, windows, nothing_given(windows))
+    step = data.step(
+        np.arange(len(CELLS)), np.zeros(len(CELLS), int), torch.zeros(len(CELLS), 176, 4).bool()
+    )
+    with torch.no_grad():
+        odds = model(torch.full_like(step.target, 128), *step[2:]).log_softmax(-1)
+    expected = -odds.gather(-1, step.target[..., None]).mean()
+    assert scores["cross-entropy"] == pytest.approx(float(expected), abs=1e-4)
+    assert scores["token accuracy"] == pytest.approx(
+        float((odds.argmax(-1) == step.target).float().mean())
+    )
+    assert scores["cross-entropy"] != scores["cross-entropy, another's speech"]
+
+
+def test_margins_are_taken_in_both_directions_of_both_motions(data, pqvae):
+    windows = held_out(data.clips, 176)
+    margins = beat_margins(
+        ProbTalk(pqvae, Predictor(CONFIG)), data.clips, windows, nothing_given(windows)
+    )
+    assert len(margins) == 4
+    assert {name.rpartition(", ")[2] for name in margins} == {"sampled", "decoded"}
+
+
+def test_the_stage_leaves_a_checkpoint_and_its_figures(tmp_path, clips, pqvae, monkeypatch):
+    save_checkpoint(tmp_path / "checkpoints" / "probtalk-pqvae.safetensors", pqvae, PQ)
+    monkeypatch.setitem(recipe.PREDICTOR_PRESETS, "teaching", CONFIG)
+    monkeypatch.setitem(recipe.LESSONS, "teaching", LESSON)
+    monkeypatch.setattr(recipe, "holistic_clips", lambda *_, **__: clips)
+    recipe.train(Stage("probtalk-predictor", tmp_path, steps=2))
+    load_checkpoint(tmp_path / "checkpoints" / "probtalk-predictor.safetensors", Predictor)
+    run = json.loads((tmp_path / "runs" / "probtalk-predictor-teaching-0.json").read_text())
+    assert run["figures"].keys() == predictor_scores(pqvae, Predictor(CONFIG), clips).keys()
+    assert run["steps"] == 2
+
+
+def test_without_a_pqvae_the_stage_says_so(tmp_path):
+    with pytest.raises(FileNotFoundError, match="probtalk-pqvae"):
+        recipe.train(Stage("probtalk-predictor", tmp_path, steps=2))
+
+
+def test_the_papers_lesson_is_the_authors():
+    lesson = recipe.LESSONS["paper"]
+    assert (lesson.hidden, lesson.parts, lesson.region) == ("curriculum", False, "all")
+    assert (lesson.course.betas, lesson.course.clip) == ((0.9, 0.99), 5.0)
+    assert lesson.course.rate(0) == lesson.course.rate(30_000) == 1e-4
