@@ -16,7 +16,9 @@ from copy import deepcopy
 from typing import Any, NamedTuple
 
 import numpy as np
+import torch
 from IPython.display import display
+from torch import Tensor
 
 from s2glib.teaching.comparison import arrays, brief, difference
 from s2glib.teaching.exercises import Exercise, find_exercise
@@ -40,6 +42,13 @@ class Attempt(NamedTuple):
         """Whether nothing has been written yet."""
         nothing = self.error is None and (self.value is None or self.value is ...)
         return nothing or isinstance(self.error, NotImplementedError)
+
+
+class Differentiated(NamedTuple):
+    """What came back, and how its sum changes with each argument that asks for a gradient."""
+
+    value: Tensor
+    gradient: tuple[Tensor, ...]
 
 
 def check(id: str, fn: Callable) -> Callable:
@@ -87,13 +96,22 @@ def attempt(fn: Callable, case: tuple[Any, ...]) -> Attempt:
     """Call a function on a copy of some arguments."""
     used, value, error = deepcopy(case), None, None
     try:
-        value = fn(*used)
+        value = with_gradients(fn(*used), used)
         _ = brief(value), list(arrays(value))  # what cannot be read is an error, too
     except Exception as raised:  # whatever a student's code does
         error = raised
     before, after = list(arrays(case)), list(arrays(used))
     same = len(before) == len(after) and all(map(_same, before, after))
     return Attempt(value, error, changed=not same)
+
+
+def with_gradients(value: object, used: Sequence[object]) -> object:
+    """The value; and, where arguments ask for one, the gradients of its sum, 0 if cut off."""
+    wanted = [each for each in used if isinstance(each, Tensor) and each.requires_grad]
+    if not wanted or not isinstance(value, Tensor):
+        return value
+    joined = value.sum() + sum(0 * each.sum() for each in wanted)
+    return Differentiated(value, torch.autograd.grad(joined, wanted))
 
 
 def _same(before: np.ndarray, after: np.ndarray) -> bool:

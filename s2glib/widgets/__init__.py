@@ -1,5 +1,6 @@
 """Things to look at and play with in a notebook: players of bodies and films, demos."""
 
+from s2glib.widgets.codebook_explorer import CodebookExplorer
 from s2glib.widgets.demo import Demo, Panel, Slider
 from s2glib.widgets.emotion_swap import EmotionSwapDemo
 from s2glib.widgets.film_player import FilmPlayer
@@ -12,6 +13,7 @@ from s2glib.widgets.toy_arm import ToyArm
 from s2glib.widgets.tps_pad import TPSPad
 
 __all__ = [
+    "CodebookExplorer",
     "Demo",
     "EmotionSwapDemo",
     "FilmPlayer",

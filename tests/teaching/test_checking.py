@@ -164,6 +164,31 @@ def test_another_mistake_is_told_by_what_it_does(wrong, said, capsys):
     assert states() == {"tried": 1}
 
 
+def through(z):
+    return z + (z.round() - z).detach()
+
+
+def asking_for_a_gradient(rng):
+    yield (torch.tensor([0.4, 1.7], requires_grad=True),)
+
+
+ROUNDING = dataclasses.replace(
+    EXERCISE,
+    reference=through,
+    inputs=asking_for_a_gradient,
+    mutants=(Mutant(torch.round, "Your gradient is zero."), Mutant(torch.sign, "A sign.")),
+)
+
+
+def test_gradients_are_compared_where_inputs_ask_for_them(monkeypatch, capsys):
+    monkeypatch.setattr(checking, "find_exercise", {"77-1": ROUNDING}.__getitem__)
+    assert check("77-1", lambda z: through(z)).__name__ == "<lambda>"
+    assert check("77-1", lambda z: z.round()) is through
+    assert "Your gradient is zero." in spoken(capsys)
+    check("77-1", lambda z: through(z) + z - z.detach())
+    assert "answer.gradient.0[0] should be 1, yours is 2" in spoken(capsys)
+
+
 def test_an_error_is_told_with_its_line(capsys):
     assert check("77-1", stops) is double
     line = inspect.getsourcelines(stops)[1] + 1

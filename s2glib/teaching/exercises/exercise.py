@@ -33,6 +33,7 @@ class Exercise:
         title: what is to be done, in a few words.
         reference: the package's own function.
         inputs: the arguments to try, the simplest first, the last ones drawn from a generator.
+            Where tensors among them require a gradient, gradients are compared, too.
         oracle: the same answer from an independent, slower form; tests compare the two.
         mutants: at least two.
         hints: from a nudge to almost the code.
