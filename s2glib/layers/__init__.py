@@ -4,7 +4,7 @@ from s2glib.layers.attention import SelfAttention
 from s2glib.layers.batches import in_batches
 from s2glib.layers.conditioning import AdaptiveLayer, FiLM
 from s2glib.layers.embeddings import fixed_positions, sinusoidal_embedding
-from s2glib.layers.gated_conv import GatedConv
+from s2glib.layers.gated_conv import GatedConv, gated
 from s2glib.layers.image_blocks import (
     DownBlock,
     Hourglass,
@@ -43,6 +43,7 @@ __all__ = [
     "UpBlock",
     "VGGFeatures",
     "fixed_positions",
+    "gated",
     "in_batches",
     "load_public",
     "shrink",

@@ -8,6 +8,12 @@ from jaxtyping import Float
 from torch import Tensor, nn
 
 
+def gated(both: Float[Tensor, "*b channels time"]) -> Float[Tensor, "*b half time"]:
+    """Tanh of the first half of the channels, times the sigmoid of the second: their gate."""
+    a, b = both.chunk(2, dim=-2)
+    return a.tanh() * b.sigmoid()
+
+
 class GatedConv(nn.Module):
     """tanh(a) * sigmoid(b) of one convolution's two halves, mixed, and added to the input.
 
@@ -30,5 +36,4 @@ class GatedConv(nn.Module):
 
     def forward(self, x: Float[Tensor, "batch channels time"]) -> Tensor:
         """Refine a track; (batch, width, time / stride)."""
-        a, b = self.conv(x).chunk(2, dim=1)
-        return self.mix(a.tanh() * b.sigmoid()) + self.skip(x)
+        return self.mix(gated(self.conv(x))) + self.skip(x)

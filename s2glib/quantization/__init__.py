@@ -4,7 +4,7 @@ from s2glib.quantization.codebook import Codebook, Quantized, straight_through
 from s2glib.quantization.moving_average import ClusterTotals, MovingAverage, running_totals
 from s2glib.quantization.product import ProductQuantizer
 from s2glib.quantization.residual import ResidualQuantizer
-from s2glib.quantization.tables import look_up, nearest_codes
+from s2glib.quantization.tables import nearest_codes
 from s2glib.quantization.usage import code_counts, dead_codes, perplexity
 
 __all__ = [
@@ -16,7 +16,6 @@ __all__ = [
     "ResidualQuantizer",
     "code_counts",
     "dead_codes",
-    "look_up",
     "nearest_codes",
     "perplexity",
     "running_totals",

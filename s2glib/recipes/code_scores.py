@@ -1,4 +1,4 @@
-"""How good codes are: are they all used, and how much of a motion comes back from them?
+"""How good codes are: whether all are used, and how much of a motion comes back from them.
 
 Paper:    PT A.1
 Notebook: notebooks/05_product_codes.ipynb

@@ -57,6 +57,7 @@ from s2glib.papers.probtalk.speech_features import (
 from s2glib.papers.probtalk.style_decoder import (
     StyleDecoder,
     StyleLayer,
+    adaptive_instance_norm,
 )
 
 __all__ = [
@@ -93,6 +94,7 @@ __all__ = [
     "RefinerLosses",
     "StyleDecoder",
     "StyleLayer",
+    "adaptive_instance_norm",
     "at_motion_rate",
     "feature_losses",
     "fill",

@@ -13,6 +13,17 @@ from torch.nn import functional as F
 StyleForm = Literal["adain", "adaln"]
 
 
+def adaptive_instance_norm(
+    tokens: Float[Tensor, "batch n width"],
+    scale: Float[Tensor, "batch width"],
+    shift: Float[Tensor, "batch width"],
+) -> Float[Tensor, "batch n width"]:
+    """Normalise every channel over time; then scale it by 1 + scale, and shift it."""
+    still = tokens - tokens.mean(dim=1, keepdim=True)
+    spread = (still.square().mean(dim=1, keepdim=True) + 1e-5).sqrt()
+    return still / spread * (1 + scale[:, None]) + shift[:, None]
+
+
 class AdaptiveInstanceNorm(nn.Module):
     """The text's form: every channel is normalised over time, then scaled and shifted by style."""
 
@@ -24,10 +35,8 @@ class AdaptiveInstanceNorm(nn.Module):
         self, tokens: Float[Tensor, "batch n width"], style: Float[Tensor, "batch style"]
     ) -> Float[Tensor, "batch n width"]:
         """Give tokens the mean and the spread that a style asks for."""
-        scale, shift = self.to_scale_shift(style)[:, None].chunk(2, dim=-1)
-        still = tokens - tokens.mean(dim=1, keepdim=True)
-        spread = (still.square().mean(dim=1, keepdim=True) + 1e-5).sqrt()
-        return still / spread * (1 + scale) + shift
+        scale, shift = self.to_scale_shift(style).chunk(2, dim=-1)
+        return adaptive_instance_norm(tokens, scale, shift)
 
 
 class AdaptiveLayerNorm(nn.Module):

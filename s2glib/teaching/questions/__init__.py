@@ -6,7 +6,6 @@ from s2glib.teaching.questions import (
     notebook_02,
     notebook_03,
     notebook_04,
-    notebook_05,
 )
 from s2glib.teaching.questions.question import Option, Question
 
@@ -18,7 +17,6 @@ QUESTIONS: tuple[Question, ...] = (
     *notebook_02.QUESTIONS,
     *notebook_03.QUESTIONS,
     *notebook_04.QUESTIONS,
-    *notebook_05.QUESTIONS,
 )
 
 
