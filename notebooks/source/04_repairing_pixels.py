@@ -567,21 +567,24 @@ figure(
 )
 
 
-def always_less(one, other):
-    """Whether one kind has less error on hands and on faces than the other, with every seed."""
-    regions = ("hand", "face")
-    return all(run[f"{one}: {each}"] < run[f"{other}: {each}"] for run in runs for each in regions)
+def less(one, other, region):
+    """Whether one kind has less error than the other: with every seed, in the mean, or not."""
+    gains = [run[f"{other}: {region}"] - run[f"{one}: {region}"] for run in runs]
+    return "every seed" if min(gains) > 0 else "in the mean" if sum(gains) > 0 else "no"
 
 
 report(
     runs=len(runs),
-    splines_beat_regions=always_less("splines", "affine"),
-    repaired_splines_beat_repaired_regions=always_less("splines, refined", "affine, refined"),
-    repair_helps_splines=always_less("splines, refined", "splines"),
-    repair_helps_regions=always_less("affine, refined", "affine"),
+    splines_beat_regions_on_hands=less("splines", "affine", "hand"),
+    splines_beat_regions_on_faces=less("splines", "affine", "face"),
+    repair_helps_hands=less("splines, refined", "splines", "hand"),
+    repair_helps_faces=less("splines, refined", "splines", "face"),
 )
 
 # %% [markdown]
+# An arm bends: splines win on hands, and clearly. A head moves as one piece, and an affine map will do: on faces splines win by
+# little, and not with every seed.
+#
 # Here is a part of the film, with its sound. Everything is made from the first frame.
 
 # %% tags=["s2g-media", "nbval-ignore-output"]
