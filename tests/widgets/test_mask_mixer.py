@@ -48,9 +48,10 @@ def test_the_error_of_copying_is_that_of_the_source(mixer):
 def test_a_gain_multiplies_a_warps_odds_by_its_exponential(index, gain):
     SHARED.reset()
     SHARED.set(index, gain)
-    before, after = MADE.flow.contributions[0, index].detach(), SHARED.contributions[index]
-    odds = [share.double() / (1 - share.double()) for share in (before, after)]
-    torch.testing.assert_close(odds[1], math.exp(gain) * odds[0], rtol=0.01, atol=1e-5)
+    others = [k for k in range(COUNT) if k != index]
+    shares = MADE.flow.contributions[0].detach().double(), SHARED.contributions.double()
+    before, after = (share[index] / share[others].sum(0) for share in shares)
+    torch.testing.assert_close(after, math.exp(gain) * before, rtol=0.01, atol=1e-5)
 
 
 @given(INDICES, st.floats(-math.inf, -8))
