@@ -23,8 +23,8 @@ SMALL_DECOUPLING = replace(
 SMALL_REFINEMENT = replace(TEACHING_REFINEMENT, widths=(4, 6, 8), patch_widths=(4, 6, 8))
 
 
-def noise_film(rng: np.random.Generator) -> Film:
+def noise_film(rng: np.random.Generator, size: int = 32) -> Film:
     """Twelve frames of anything, with hands and faces anywhere."""
-    parts = rng.integers(20, size=(12, 32, 32)).astype(np.uint8)
-    frames = rng.integers(256, size=(12, 32, 32, 3)).astype(np.uint8)
+    parts = rng.integers(20, size=(12, size, size)).astype(np.uint8)
+    frames = rng.integers(256, size=(12, size, size, 3)).astype(np.uint8)
     return Film(frames, parts, rng.normal(size=(12, 55, 2)).astype(np.float16))

@@ -15,6 +15,7 @@ STAGES = {
     "amuse-extractor": "s2glib.recipes.amuse_extractor",
     "mddiffusion-decoupling": "s2glib.recipes.mddiffusion_decoupling",
     "mddiffusion-refinement": "s2glib.recipes.mddiffusion_refinement",
+    "mddiffusion-128": "s2glib.recipes.mddiffusion_128",
     "mddiffusion-unlabelled": "s2glib.recipes.mddiffusion_unlabelled",
     "mddiffusion-ablation": "s2glib.recipes.mddiffusion_ablation",
     "probtalk-pqvae": "s2glib.recipes.probtalk_pqvae",
@@ -24,7 +25,7 @@ STAGES = {
     "probtalk-features": "s2glib.recipes.probtalk_features",
     "probtalk-speakers": "s2glib.recipes.probtalk_speakers",
 }
-TAKES_DATA = ("mddiffusion-decoupling", "mddiffusion-refinement")
+TAKES_DATA = ("mddiffusion-decoupling", "mddiffusion-refinement", "mddiffusion-128")
 
 
 def describe(parser: ArgumentParser) -> None:
@@ -36,7 +37,7 @@ def describe(parser: ArgumentParser) -> None:
         type=Path,
         metavar="FOLDER",
         help=f"films of your own instead of the corpus, see s2glib/data/films.py; for "
-        f"{' and '.join(TAKES_DATA)}",
+        f"{', '.join(TAKES_DATA)}",
     )
     parser.add_argument("--out", type=Path, default=Path("trained"), help="for files of the stage")
     parser.add_argument("--seed", type=natural, default=0)
@@ -54,7 +55,7 @@ def run(options: Namespace) -> int:
     if options.data is not None and options.stage not in TAKES_DATA:
         raise ValueError(
             f"{options.stage} trains on the corpus only; leave out --data, which is for "
-            f"{' and '.join(TAKES_DATA)}"
+            f"{', '.join(TAKES_DATA)}"
         )
     from importlib import import_module
 

@@ -73,7 +73,6 @@ LESSONS = {
         labelled=Course(steps=2000, batch=16, learning_rate=1e-3),
     ),
 }
-LESSONS["teaching-128"] = LESSONS["teaching"]
 
 
 class DecouplingStep(NamedTuple):
@@ -203,10 +202,24 @@ def fit_decoupler(
     if stage.preset != "paper":
         model.keypoints.start_at(first_keypoints(video, config, labelled, stage.seed))
     before = put_on_limbs(stage, part, model, labels, video) if labels else {}
+    model, record = teach(stage, part, model, lesson, video, labelled=labelled)
+    return model, record | before
+
+
+def teach(
+    stage: Stage,
+    part: str,
+    model: MotionDecoupler,
+    lesson: Lesson,
+    video: VideoFrames,
+    *,
+    labelled: bool,
+) -> tuple[MotionDecoupler, dict[str, Any]]:
+    """A decoupler after the course, and the record of its run."""
     objective = DecouplingObjective(model, picture_features(stage.preset), lesson.weights)
     course = stage.course(lesson.course)
     kept, record = stage.train(part, objective, course, partial(draw, video, lesson, labelled))
-    return kept.model.eval(), record | before
+    return kept.model.eval(), record
 
 
 def has_labels(video: VideoFrames, config: DecouplingConfig) -> bool:
@@ -245,8 +258,15 @@ def train(stage: Stage) -> None:
     config = DECOUPLING_PRESETS[stage.preset]
     video, test = train_and_test(stage.data, config.size)
     model, record = fit_decoupler(stage, stage.name, config, LESSONS[stage.preset], video)
+    stage.publish(stage.name, model, record, decoupler_figures(model, video, test))
+
+
+def decoupler_figures(
+    model: MotionDecoupler, video: VideoFrames, test: VideoFrames
+) -> dict[str, float]:
+    """How well held-out films are rebuilt, and whether wrists are in the keypoints."""
     shares = film_errors(model, test).moving.shares()
     figures = {f"{name} / copied": shares[name] for name in shares if name in MEASURED}
     if video.has_keypoints and test.has_keypoints:
         figures["wrists R2"] = float(wrists_explained(model.keypoints, video, test).mean())
-    stage.publish(stage.name, model, record, figures)
+    return figures

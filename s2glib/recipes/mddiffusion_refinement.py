@@ -68,7 +68,6 @@ LESSONS = {
         {"perceptual": 1.0, "style": 20.0},  # of colours and edges, not of VGG-16
     ),
 }
-LESSONS["teaching-128"] = LESSONS["teaching"]
 
 
 class RefinementStep(NamedTuple):
@@ -150,14 +149,26 @@ def picture_features(preset: str) -> nn.Module:
 
 
 def fit_refiner(
-    stage: Stage, part: str, decoupler: MotionDecoupler, lesson: Lesson, video: VideoFrames
+    stage: Stage,
+    part: str,
+    decoupler: MotionDecoupler,
+    lesson: Lesson,
+    video: VideoFrames,
+    *,
+    begun: RefinementNet | None = None,
 ) -> tuple[RefinementNet, dict[str, Any]]:
-    """A refinement network trained on what a decoupler makes of films, and the run's record."""
+    """A refinement network trained on what a decoupler makes of films, and the run's record.
+
+    It is a new one, unless another has `begun`.
+    """
     torch.manual_seed(stage.seed)
-    config = REFINEMENT_PRESETS[stage.preset]
-    features = picture_features(stage.preset)
+    model = begun or RefinementNet(REFINEMENT_PRESETS[stage.preset])
     objective = RefinementObjective(
-        RefinementNet(config), PatchDiscriminator(config), decoupler, features, lesson.weights
+        model,
+        PatchDiscriminator(model.config),
+        decoupler,
+        picture_features(stage.preset),
+        lesson.weights,
     )
     course = stage.course(lesson.course)
     kept, record = stage.train(part, objective, course, partial(draw, video, lesson))
@@ -170,11 +181,17 @@ def train(stage: Stage) -> None:
     decoupler = load_checkpoint(file, MotionDecoupler)
     video, test = train_and_test(stage.data, decoupler.config.size)
     model, record = fit_refiner(stage, stage.name, decoupler, LESSONS[stage.preset], video)
+    stage.publish(stage.name, model, record, refiner_figures(decoupler, model, test))
+
+
+def refiner_figures(
+    decoupler: MotionDecoupler, model: RefinementNet, test: VideoFrames
+) -> dict[str, float]:
+    """How well held-out films are rebuilt in each region, before and after refinement."""
     regions = film_errors(decoupler, test, model)._asdict()
-    figures = {
+    return {
         f"{region}, {name} / copied": share
         for region, errors in regions.items()
         for name, share in errors.shares().items()
         if name in MEASURED
     }
-    stage.publish(stage.name, model, record, figures)

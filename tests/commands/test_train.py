@@ -11,7 +11,7 @@ def test_stages_of_the_corpus_refuse_other_data(here, capsys, stage):
     assert main(["train", stage, "--data", "films"]) == 2
     assert capsys.readouterr().err == (
         f"s2glib train: {stage} trains on the corpus only; leave out --data, which is for "
-        "mddiffusion-decoupling and mddiffusion-refinement\n"
+        "mddiffusion-decoupling, mddiffusion-refinement, mddiffusion-128\n"
     )
     assert not list(here.iterdir())
 

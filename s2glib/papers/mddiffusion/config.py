@@ -23,6 +23,7 @@ class DecouplingConfig:
     region_floor: float = 0.05  # blur of the regions of "affine"; ours: MRAA has none, and fails
     background: Literal["still", "affine"] = "still"  # authors' code; TPSMM has "affine"
 
+    keypoint_size: int | None = None  # pixels that keypoints are found on; None: all, [MDD B.5]
     keypoint_widths: tuple[int, int, int, int] = (64, 128, 256, 512)  # ResNet-18  [MDD B.5]
     keypoint_blocks: tuple[int, int, int, int] = (2, 2, 2, 2)  # ResNet-18  [MDD B.5]
     keypoint_early_pool: bool = True  # ResNet-18; without: ours, for small pictures
@@ -45,6 +46,11 @@ class DecouplingConfig:
     residual_blocks: int = 2  # after the bottom and after each join; authors' code
 
     def __post_init__(self):
+        if self.keypoint_size is not None and self.size % self.keypoint_size:
+            raise ValueError(
+                f"pictures of {self.size} pixels cannot be shrunk to keypoint_size="
+                f"{self.keypoint_size}; take a divisor, or None"
+            )
         coarsest = self.flow_size // 2 ** (self.flow_blocks - 1)  # where the hourglass turns up
         if (
             self.size % 2**self.synthesis_blocks
@@ -57,6 +63,11 @@ class DecouplingConfig:
                 f"occlusion masks of {self.mask_sizes} pixels; change size, flow_size, flow_blocks "
                 "or synthesis_blocks"
             )
+
+    @property
+    def keypoint_shrinking(self) -> int:
+        """How many times smaller a picture is made before keypoints are looked for."""
+        return self.size // (self.keypoint_size or self.size)
 
     @property
     def mask_sizes(self) -> tuple[int, ...]:
@@ -99,7 +110,7 @@ TEACHING_DECOUPLING = replace(
     visible_at_start=0.88,
     synthesis_width=8,
 )
-TEACHING_DECOUPLING_128 = replace(TEACHING_DECOUPLING, size=128)
+TEACHING_DECOUPLING_128 = replace(TEACHING_DECOUPLING, size=128, keypoint_size=64)
 TEACHING_REFINEMENT = replace(
     PAPER_REFINEMENT,
     widths=(16, 32, 48, 64, 64),
@@ -107,13 +118,5 @@ TEACHING_REFINEMENT = replace(
     patch_widths=(24, 48, 64),
 )
 
-DECOUPLING_PRESETS = {
-    "paper": PAPER_DECOUPLING,
-    "teaching": TEACHING_DECOUPLING,
-    "teaching-128": TEACHING_DECOUPLING_128,
-}
-REFINEMENT_PRESETS = {
-    "paper": PAPER_REFINEMENT,
-    "teaching": TEACHING_REFINEMENT,
-    "teaching-128": TEACHING_REFINEMENT,
-}
+DECOUPLING_PRESETS = {"paper": PAPER_DECOUPLING, "teaching": TEACHING_DECOUPLING}
+REFINEMENT_PRESETS = {"paper": PAPER_REFINEMENT, "teaching": TEACHING_REFINEMENT}

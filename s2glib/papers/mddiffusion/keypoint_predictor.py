@@ -9,7 +9,7 @@ from einops import rearrange
 from jaxtyping import Float
 from torch import Tensor, nn
 
-from s2glib.layers import ResNet
+from s2glib.layers import ResNet, shrink
 from s2glib.papers.mddiffusion.config import DecouplingConfig
 
 
@@ -31,7 +31,8 @@ class KeypointPredictor(nn.Module):
 
     def forward(self, image: Float[Tensor, "batch 3 h w"]) -> Float[Tensor, "batch k n 2"]:
         """Keypoints, x then y: a sigmoid keeps them in the picture, or within `keypoint_reach`."""
-        flat = torch.sigmoid(self.config.keypoint_gain * self.encoder(image)) * 2 - 1
+        seen = self.encoder(shrink(image, self.config.keypoint_shrinking))
+        flat = torch.sigmoid(self.config.keypoint_gain * seen) * 2 - 1
         points = rearrange(flat, "b (k n d) -> b k n d", k=self.config.transforms, d=2)
         return self.config.keypoint_reach * points
 

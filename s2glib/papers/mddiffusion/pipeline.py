@@ -6,7 +6,7 @@ Notebook: notebooks/04_repairing_pixels.ipynb
 
 from functools import partial
 from pathlib import Path
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import torch
 from jaxtyping import Float
@@ -50,16 +50,17 @@ class MDDiffusion:
         self.refiner = None if refiner is None else refiner.eval()
 
     @classmethod
-    def load(cls, folder: Path) -> "MDDiffusion":
-        """Read the checkpoints of a folder.
+    def load(cls, folder: Path, *, size: Literal[64, 128] = 64) -> "MDDiffusion":
+        """Read the checkpoints of a folder: those for pictures of so many pixels.
 
         Raises:
             FileNotFoundError: if one is missing.
             ValueError: if one is not what it should be.
         """
+        which = "" if size == 64 else f"-{size}"
         return cls(
-            load_checkpoint(folder / "mddiffusion-decoupling.safetensors", MotionDecoupler),
-            load_checkpoint(folder / "mddiffusion-refinement.safetensors", RefinementNet),
+            load_checkpoint(folder / f"mddiffusion-decoupling{which}.safetensors", MotionDecoupler),
+            load_checkpoint(folder / f"mddiffusion-refinement{which}.safetensors", RefinementNet),
         )
 
     @torch.no_grad()

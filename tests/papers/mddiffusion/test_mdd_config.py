@@ -3,7 +3,6 @@ from dataclasses import replace
 import pytest
 
 from s2glib.papers.mddiffusion import (
-    DECOUPLING_PRESETS,
     PAPER_DECOUPLING,
     PAPER_REFINEMENT,
     TEACHING_DECOUPLING,
@@ -31,9 +30,15 @@ def test_what_is_ours_is_off_in_the_paper():
 
 
 def test_the_larger_teaching_model_differs_in_size_only():
-    assert replace(TEACHING_DECOUPLING_128, size=64) == TEACHING_DECOUPLING
+    assert replace(TEACHING_DECOUPLING_128, size=64, keypoint_size=None) == TEACHING_DECOUPLING
     assert TEACHING_DECOUPLING_128.mask_sizes == (16, 32, 64, 128)
-    assert set(DECOUPLING_PRESETS) == {"paper", "teaching", "teaching-128"}
+    assert TEACHING_DECOUPLING_128.keypoint_shrinking == 2
+    assert PAPER_DECOUPLING.keypoint_shrinking == TEACHING_DECOUPLING.keypoint_shrinking == 1
+
+
+def test_keypoints_are_found_on_pictures_a_whole_number_of_times_smaller():
+    with pytest.raises(ValueError, match="keypoint_size=48; take a divisor, or None"):
+        replace(TEACHING_DECOUPLING_128, keypoint_size=48)
 
 
 @pytest.mark.parametrize(
