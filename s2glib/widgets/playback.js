@@ -1,11 +1,13 @@
 // Playback: one clock for all views of a widget, and what all views have: controls and keys.
 //
-// The sound is the clock; without sound the wall clock is. Every view only reads the time and
-// draws, so that a widget shown twice still sounds once.
+// The sound is the clock; the wall clock is where there is none, or where it does not move. Every
+// view only reads the time and draws, so that a widget shown twice still sounds once.
 
 const TELL_EVERY = 150; // milliseconds between frames that Python hears of
+const STUCK_AFTER = 1000; // milliseconds in which a sound that plays has to move
 const SPEEDS = [1, 0.5, 0.25];
 const BLOCKED = "The browser waits for a click before it makes a sound: press Play once.";
+const STUCK = "The sound does not start; the pictures go on without it.";
 const KEYS = "Space plays and pauses, the arrow keys step, Home returns to the start";
 
 /** The time of one widget; its kind says how to `load` what is shown: `frames` of them, `fps` a second. */
@@ -13,7 +15,7 @@ class Clock {
   constructor(model, content) {
     Object.assign(this, { model, audio: new Audio(), playing: false, held: 0, since: 0, speed: 1 });
     const heard = model.get("heard");
-    Object.assign(this, { views: 0, message: "", toldAt: 0 });
+    Object.assign(this, { views: 0, message: "", toldAt: 0, stuck: false, soundAt: 0, movedAt: 0 });
     this.obeyed = { frame: heard.frame[0], playing: heard.playing[0] };
     this.watched = {
       "change:sound": () => this.loadSound(),
@@ -43,9 +45,12 @@ class Clock {
   get duration() {
     return (this.url && this.audio.duration) || this.frames / this.fps;
   }
+  get leads() {
+    return this.url && !this.stuck;
+  }
   get time() {
     const wall = this.held + (this.playing ? ((performance.now() - this.since) / 1000) * this.speed : 0);
-    return Math.min(this.url ? this.audio.currentTime : wall, this.duration);
+    return Math.min(this.leads ? this.audio.currentTime : wall, this.duration);
   }
   get frame() {
     return Math.min(Math.floor(this.time * this.fps + 1e-3), this.frames - 1);
@@ -53,8 +58,9 @@ class Clock {
 
   async play() {
     if (this.time > this.duration - 0.02) this.seek(0);
-    this.since = performance.now();
+    this.since = this.movedAt = performance.now();
     this.playing = true;
+    this.stuck = false;
     this.message = "";
     this.tell();
     if (!this.url) return;
@@ -71,6 +77,7 @@ class Clock {
     this.held = this.time;
     this.playing = false;
     this.audio.pause();
+    if (this.stuck) this.audio.currentTime = this.held;
     this.tell();
   }
   toggle() {
@@ -107,8 +114,18 @@ class Clock {
   /** Called by each view before it draws: ends a silent clip and keeps Python roughly in step. */
   tick() {
     if (!this.playing) return;
-    if (!this.url && this.time >= this.duration) this.pause();
+    if (this.leads) this.listen();
+    if (!this.leads && this.time >= this.duration) this.pause();
     else if (performance.now() - this.toldAt > TELL_EVERY) this.tell();
+  }
+  /** Let the wall clock lead where the sound stands still, as on a machine without a sound card. */
+  listen() {
+    const [now, { currentTime }] = [performance.now(), this.audio];
+    if (currentTime !== this.soundAt) Object.assign(this, { soundAt: currentTime, movedAt: now });
+    else if (now - this.movedAt > STUCK_AFTER) {
+      this.audio.pause();
+      Object.assign(this, { stuck: true, held: currentTime, since: now, message: STUCK });
+    }
   }
   close() {
     for (const [event, act] of Object.entries(this.watched)) this.model.off(event, act);

@@ -141,6 +141,20 @@ def test_without_sound_the_wall_clock_leads(browser, write_page):
     assert page.evaluate("() => sounds[0].currentTime") == 0
 
 
+def test_where_the_sound_stands_still_the_wall_clock_takes_over(page):
+    page.evaluate("() => { sounds[0].play = async () => {} }")
+    page.get_by_role("button", name="Play").click()
+    wait_for_time(page, 0.4)
+    assert page.get_by_text("The sound does not start").is_visible()
+    page.get_by_role("button", name="Pause").click()
+    page.wait_for_selector(".s2g-film[data-playing=false]")
+    assert page.evaluate(NOW)[0] > 0.4
+    page.evaluate("() => { delete sounds[0].play }")
+    page.get_by_role("button", name="Play").click()
+    page.wait_for_selector(".s2g-film[data-playing=false][data-frame='49']")
+    assert page.get_by_text("The sound does not start").count() == 0
+
+
 def test_a_browser_that_cannot_open_the_pictures_says_so(browser, write_page):
     page = browser.page.context.new_page()
     page.add_init_script("createImageBitmap = async () => { throw new Error('too old') }")
