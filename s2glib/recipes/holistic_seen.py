@@ -18,13 +18,12 @@ from s2glib.body.skeleton import JOINT_NAMES, PARENTS, REST_JOINTS, joint
 from s2glib.layers import in_batches
 from s2glib.metrics import derivative_sizes
 from s2glib.papers.probtalk.feature_autoencoder import SEEN, FeatureNets, split_windows
-from s2glib.papers.probtalk.motion_features import HolisticFeatures
+from s2glib.papers.probtalk.motion_features import POINTS, HolisticFeatures
 from s2glib.papers.probtalk.speech_features import MOTION_FPS
 
 BORDER = 2  # frames on either side of a border that belong to it
 WRISTS = [joint("left_wrist"), joint("right_wrist")]
-_ARMS = ("shoulder", "elbow", "wrist", "middle1")
-NINE = [joint("head"), *(joint(f"{side}_{name}") for name in _ARMS for side in ("left", "right"))]
+NINE = [joint(name) for name in POINTS]
 """Head, arms and hands: where the nine points that AMUSE's judges see are."""
 
 

@@ -54,7 +54,9 @@ class PQVAEObjective(nn.Module):
     ) -> tuple[Tensor, dict[str, Tensor]]:
         """The weighted loss and its terms."""
         losses, config = pqvae_losses(self.model, motion), self.model.config
-        total = losses.total(commitment=config.commitment, wrists=config.wrists)
+        total = losses.total(
+            commitment=config.commitment, wrists=config.wrists, movement=config.movement
+        )
         return total, losses._asdict()
 
 

@@ -68,12 +68,13 @@ def test_a_batch_is_drawn_from_its_chance():
     assert torch.equal(first, second)
 
 
-def test_the_weights_of_commitment_and_wrists_are_the_configs():
-    model = PQVAE(replace(CONFIGS["teaching"], commitment=7.0, wrists=3.0)).eval()
+def test_the_weights_of_the_loss_are_the_configs():
+    weights = {"commitment": 7.0, "wrists": 3.0, "movement": 5.0}
+    model = PQVAE(replace(CONFIGS["teaching"], **weights)).eval()
     with torch.no_grad():
         loss, terms = recipe.PQVAEObjective(model)(torch.randn(2, 32, 288))
     rest = recipe.pqvae_losses(model, torch.zeros(1, 8, 288))._replace(**terms)
-    torch.testing.assert_close(loss, rest.total(commitment=7.0, wrists=3.0))
+    torch.testing.assert_close(loss, rest.total(**weights))
 
 
 @pytest.mark.usefixtures("_corpus")

@@ -30,6 +30,7 @@ class PQVAEConfig:
     revive_below: float = 1.0  # uses a batch, averaged; authors' code
     commitment: float = 0.25  # authors' code
     wrists: float = 0.0  # weight in the loss of how far wrists are off, per metre; ours
+    movement: float = 0.0  # weight of how differently points move, per metre a frame; ours
 
     def __post_init__(self):
         if self.frames % self.window:
@@ -69,7 +70,8 @@ TEACHING_PQVAE = replace(
     decay=0.95,
     revive_below=0.15,
     commitment=3.0,
-    wrists=4.0,
+    wrists=5.0,
+    movement=100.0,
 )
 
 PQVAE_PRESETS = {"paper": PAPER_PQVAE, "teaching": TEACHING_PQVAE}

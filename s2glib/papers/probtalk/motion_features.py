@@ -11,6 +11,7 @@ from jaxtyping import Bool, Float
 from torch import Tensor, nn
 
 from s2glib.body import (
+    Kinematics,
     axis_angle_to_matrix,
     forward_kinematics,
     matrix_to_axis_angle,
@@ -21,6 +22,12 @@ from s2glib.body.skeleton import JOINT_NAMES, PARENTS, REST_JOINTS, joint
 
 PARTS = ("face", "body", "left_hand", "right_hand")
 """What can be kept or made anew by itself; the face is the jaw and the expression."""
+
+
+def _chain(number: int) -> list[int]:
+    """A joint and all it hangs on."""
+    return [] if number < 0 else [number, *_chain(PARENTS[number])]
+
 
 _STILL = ("pelvis", "left_hip", "right_hip", "left_knee", "right_knee", "left_ankle", "right_ankle")
 _FIRST, _MIDDLE = joint("left_index1"), joint("right_index1")  # where the hands' joints begin
@@ -36,13 +43,21 @@ _KEPT = [number for part in PARTS for number in JOINTS_OF[part]]
 _SPANS = {"jaw": (0, 6), "body": (6, 96), "hands": (96, 276)}
 _SPANS |= {"left_hand": (96, 186), "right_hand": (186, 276)}
 _SIXD = 6 * len(_KEPT)  # 276
-_ARMS = [
-    joint(f"{side}_{name}")
-    for name in ("collar", "shoulder", "elbow", "wrist")
-    for side in ("left", "right")
-]
-_TREE = [joint("spine3"), *_ARMS]
-_TREE_PARENTS = [_TREE.index(PARENTS[j]) if j in _ARMS else -1 for j in _TREE]
+
+POINTS = (
+    "head",
+    *(
+        f"{side}_{name}"
+        for name in ("shoulder", "elbow", "wrist", "middle1")
+        for side in ("left", "right")
+    ),
+)
+"""Head, arms and hands: what is seen of a gesture from afar."""
+
+_WRISTS = [joint("left_wrist"), joint("right_wrist")]
+_CHEST = joint("spine3")
+_TREE = sorted({ancestor for name in POINTS for ancestor in _chain(joint(name))})
+_TREE_PARENTS = [-1, *(_TREE.index(PARENTS[j]) for j in _TREE[1:])]
 _COEFFICIENTS = 100  # of a motion's expression
 SMALLEST_STD = 0.02  # what varies less is not blown up; authors' code: 1e-9 where it is 0
 
@@ -118,11 +133,21 @@ class HolisticFeatures(nn.Module):
 
     def wrists(self, features: Float[Tensor, "*b size"]) -> Float[Tensor, "*b 2 3"]:
         """Where the left and the right wrist are, metres, seen from the chest as it turns."""
-        arms = self._sixd(features)[..., [_KEPT.index(number) for number in _ARMS], :]
-        turns = sixd_to_matrix(arms)
-        chest = torch.eye(3).to(turns).expand(*turns.shape[:-3], 1, 3, 3)
-        turns = torch.cat([chest, turns], dim=-3)
-        return forward_kinematics(turns, self.rest_joints, _TREE_PARENTS).positions[..., -2:, :]
+        turns, places = self._tree(features)
+        chest, wrists = _TREE.index(_CHEST), [_TREE.index(number) for number in _WRISTS]
+        away = places[..., wrists, :] - places[..., [chest], :]
+        return away @ turns[..., chest, :, :]
+
+    def points(self, features: Float[Tensor, "*b size"]) -> Float[Tensor, "*b 9 3"]:
+        """Where `POINTS` are, metres from the pelvis, which does not turn."""
+        return self._tree(features).positions[..., [_TREE.index(joint(n)) for n in POINTS], :]
+
+    def _tree(self, features: Tensor) -> Kinematics:
+        moving = [_KEPT.index(number) for number in _TREE[1:]]
+        turns = sixd_to_matrix(self._sixd(features)[..., moving, :])
+        pelvis = torch.eye(3).to(turns).expand(*turns.shape[:-3], 1, 3, 3)
+        turns = torch.cat([pelvis, turns], dim=-3)
+        return forward_kinematics(turns, self.rest_joints, _TREE_PARENTS)
 
     def of_parts(self, known: Bool[Tensor, "*b 4"]) -> Bool[Tensor, "*b size"]:
         """Spread a mask over `PARTS` to the numbers that belong to them."""

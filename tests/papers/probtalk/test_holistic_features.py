@@ -13,6 +13,7 @@ from s2glib.body import (
 )
 from s2glib.corpus import Cell, render_motion
 from s2glib.papers.probtalk import JOINTS_OF, PARTS, HolisticFeatures
+from s2glib.papers.probtalk.motion_features import POINTS
 
 KEPT = [number for part in PARTS for number in JOINTS_OF[part]]
 CURVES = len(FACE_CURVES)
@@ -105,9 +106,20 @@ def test_wrists_are_seen_from_the_chest_as_the_whole_body_has_them(features):
     torch.testing.assert_close(found, expected, atol=1e-4, rtol=0)
 
 
-def test_gradients_of_wrists_are_right(features):
+def test_points_are_where_the_whole_body_has_them(features):
+    poses = 0.5 * torch.randn(6, 55, 3)
+    poses[:, [joint(name) for name in ("pelvis", "left_hip", "right_hip")]] = 0
+    rest = torch.from_numpy(REST_JOINTS).float()
+    body = forward_kinematics(axis_angle_to_matrix(poses), rest, PARENTS).positions
+    expected = body[:, [joint(name) for name in POINTS]] - body[:, :1]
+    found = features.points(features.from_motion(poses, torch.zeros(6, 100)))
+    torch.testing.assert_close(found, expected, atol=1e-4, rtol=0)
+
+
+@pytest.mark.parametrize("seen", ["wrists", "points"])
+def test_gradients_of_places_are_right(features, seen):
     tiny, x = features.double(), 0.3 * torch.randn(1, 288, dtype=torch.float64)
-    assert torch.autograd.gradcheck(tiny.wrists, (x.requires_grad_(),), atol=1e-4)
+    assert torch.autograd.gradcheck(getattr(tiny, seen), (x.requires_grad_(),), atol=1e-4)
 
 
 def test_a_mask_over_parts_reaches_all_their_numbers_and_no_others(features):

@@ -148,16 +148,24 @@ def test_losses_are_those_of_the_authors_by_hand(model, motion):
     nearest = model.quantizer.decode(model.encode(motion))
     commitment = (latents - nearest).square().mean()
     assert float(losses.commitment) == pytest.approx(float(commitment), rel=1e-4)
-    apart = model.features.wrists(made) - model.features.wrists(motion)
-    assert float(losses.wrists) == pytest.approx(np.linalg.norm(apart, axis=-1).mean(), rel=1e-4)
+    seen = model.features
+    apart = {
+        "wrists": seen.wrists(made) - seen.wrists(motion),
+        "movement": (seen.points(made) - seen.points(motion)).diff(dim=1),
+    }
+    for name, vectors in apart.items():
+        assert float(getattr(losses, name)) == pytest.approx(
+            float(vectors.norm(dim=-1).mean()), rel=1e-3
+        )
 
 
 def test_weights_of_the_losses_are_those_of_the_authors():
-    losses = PQVAELosses(*torch.tensor([1.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6]))
+    losses = PQVAELosses(*torch.tensor([1.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6, 1e7]))
     assert float(losses.total()) == pytest.approx(0.1 * 1001 + 0.4 * 110 + 1e4 + 0.25e5)
-    ours = float(losses.total(commitment=0.0, wrists=2.0))
-    assert ours == pytest.approx(0.1 * 1001 + 0.4 * 110 + 1e4 + 2e6)
-    assert (PAPER_PQVAE.commitment, PAPER_PQVAE.wrists) == (0.25, 0)
+    ours = float(losses.total(commitment=0.0, wrists=2.0, movement=3.0))
+    assert ours == pytest.approx(0.1 * 1001 + 0.4 * 110 + 1e4 + 2e6 + 3e7)
+    paper = PAPER_PQVAE
+    assert (paper.commitment, paper.wrists, paper.movement) == (0.25, 0, 0)
 
 
 def test_a_step_of_a_narrow_paper_model_moves_networks_and_codes(model, motion):
