@@ -23,7 +23,8 @@ from s2glib.teaching.build import NOTEBOOKS, ROOT
 from s2glib.teaching.keeping import as_text, content_of
 from s2glib.widgets import film_player, player
 from s2glib.widgets.packing import pack_mesh
-from s2glib.widgets.playback import STYLE, read_parts
+from s2glib.widgets.parts import read_parts
+from s2glib.widgets.playback import STYLE
 
 PARTS_OF_PLAYERS = dict.fromkeys((*player.PARTS, *film_player.PARTS, "local.js"))
 TEMPLATES = Path(__file__).parent / "pages"

@@ -95,4 +95,4 @@ class FilmView extends ClockView {
   }
 }
 
-const createFilmPlayer = playback((model) => new FilmClock(model, "film"), (...place) => new FilmView(...place));
+const createFilmPlayer = entry((model) => new FilmClock(model, "film"), (...place) => new FilmView(...place));

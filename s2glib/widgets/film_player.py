@@ -13,9 +13,10 @@ from matplotlib.axes import Axes
 from s2glib.audio.io import Waveform
 from s2glib.viz.film import Frames, draw_films, film_bytes
 from s2glib.widgets.film_packing import pack_films
-from s2glib.widgets.playback import STYLE, Playback, read_parts
+from s2glib.widgets.parts import read_parts
+from s2glib.widgets.playback import STYLE, Playback
 
-PARTS = ("playback.js", "film_player.js")
+PARTS = ("entry.js", "playback.js", "film_player.js")
 FILM_STYLE = read_parts("film_player.css")
 MOMENTS = 8  # that are drawn
 

@@ -177,16 +177,4 @@ class MixerView {
   }
 }
 
-export default () => {
-  let desk;
-  return {
-    initialize({ model }) {
-      desk = new Desk(model);
-      return () => desk.close();
-    },
-    render({ model, el }) {
-      const view = new MixerView(model, desk, el);
-      return () => view.close();
-    },
-  };
-};
+export default entry((model) => new Desk(model), (...place) => new MixerView(...place));

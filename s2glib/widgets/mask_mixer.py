@@ -7,8 +7,6 @@ Paper:    MDD 3.2, B.5
 Notebook: notebooks/03_motion_decoupling.ipynb
 """
 
-from pathlib import Path
-
 import anywidget
 import numpy as np
 import torch
@@ -21,9 +19,9 @@ from torch.nn.functional import interpolate
 from s2glib.papers.mddiffusion import Reconstruction
 from s2glib.warping import combine_flows, warp_features, weight_maps
 from s2glib.widgets.packing import pack
+from s2glib.widgets.parts import read_parts
 
-HERE = Path(__file__).parent
-PARTS = ("pose.js", "mixing.js", "mask_mixer.js")  # of pose.js: `unpack`
+PARTS = ("entry.js", "pose.js", "mixing.js", "mask_mixer.js")  # of pose.js: `unpack`
 LIMIT = 8.0  # gains go from -8, which means off, to 8; mixing.js has both numbers too
 OFF = -100.0  # what being off adds to a logit: no share is left, unless all are off
 FAINTEST = 1e-30  # share that a warp has at least, so that it has a logarithm
@@ -58,8 +56,8 @@ class MaskMixer(anywidget.AnyWidget):
         ValueError: if it is not a batch of one pair, or was not made of this source picture.
     """
 
-    _esm = "\n".join((HERE / part).read_text("utf-8") for part in PARTS)
-    _css = (HERE / "mask_mixer.css").read_text("utf-8")
+    _esm = read_parts(*PARTS)
+    _css = read_parts("mask_mixer.css")
     scene = traitlets.Bytes().tag(sync=True)
     width = traitlets.Int(740).tag(sync=True)
     order: traitlets.Dict = traitlets.Dict().tag(sync=True)

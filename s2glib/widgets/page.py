@@ -20,7 +20,8 @@ from s2glib.viz.film import Frames
 from s2glib.widgets import film_player, player
 from s2glib.widgets.film_packing import pack_films
 from s2glib.widgets.packing import pack_mesh, pack_motion, pack_sound
-from s2glib.widgets.playback import Playback, check_waveform, read_parts
+from s2glib.widgets.parts import read_parts
+from s2glib.widgets.playback import Playback, check_waveform
 
 PIECE = 3 << 20  # bytes that are turned into text together; a multiple of three
 PAGE = """<!doctype html>

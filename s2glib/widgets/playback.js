@@ -157,6 +157,7 @@ class ClockView {
       Home: () => clock.seek(0),
     };
     host.append(this.root);
+    clock.views += 1;
   }
 
   buildControls() {
@@ -207,25 +208,7 @@ class ClockView {
   close() {
     cancelAnimationFrame(this.request);
     this.root.remove();
+    this.clock.views -= 1;
+    if (!this.clock.views) this.clock.pause();
   }
 }
-
-/** What anywidget asks for: the clock of a widget, and a view of it for every place that shows it. */
-const playback = (openClock, openView) => () => {
-  let clock;
-  return {
-    initialize({ model }) {
-      clock = openClock(model);
-      return () => clock.close();
-    },
-    render({ model, el }) {
-      const view = openView(model, clock, el);
-      clock.views += 1;
-      return () => {
-        view.close();
-        clock.views -= 1;
-        if (!clock.views) clock.pause();
-      };
-    },
-  };
-};

@@ -4,18 +4,11 @@ Paper:    -
 Notebook: notebooks/01_motion_and_sound.ipynb
 """
 
-from pathlib import Path
-
 import anywidget
 import traitlets
 
 from s2glib.audio.io import Waveform
-
-
-def read_parts(*names: str) -> str:
-    """The text of some of this room's files, one below the other."""
-    return "\n".join((Path(__file__).parent / name).read_text("utf-8") for name in names)
-
+from s2glib.widgets.parts import read_parts
 
 STYLE = read_parts("player.css")
 

@@ -107,4 +107,4 @@ class BodyView extends ClockView {
   }
 }
 
-const createPlayer = playback((model) => new BodyClock(model, "motion"), (...place) => new BodyView(...place));
+const createPlayer = entry((model) => new BodyClock(model, "motion"), (...place) => new BodyView(...place));

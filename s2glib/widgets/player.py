@@ -12,9 +12,10 @@ from s2glib.audio.io import Waveform
 from s2glib.body.motion import Motion
 from s2glib.body.skinning import BodyModel
 from s2glib.widgets.packing import pack_mesh, pack_motion, pack_sound
-from s2glib.widgets.playback import STYLE, Playback, check_waveform, read_parts
+from s2glib.widgets.parts import read_parts
+from s2glib.widgets.playback import STYLE, Playback, check_waveform
 
-PARTS = ("playback.js", "shaders.js", "pose.js", "stage.js", "player.js")
+PARTS = ("entry.js", "playback.js", "shaders.js", "pose.js", "stage.js", "player.js")
 
 
 class Player(Playback):

@@ -163,16 +163,4 @@ class PadView {
   }
 }
 
-export default () => {
-  let board;
-  return {
-    initialize({ model }) {
-      board = new Board(model);
-      return () => board.close();
-    },
-    render({ model, el }) {
-      const view = new PadView(model, board, el);
-      return () => view.close();
-    },
-  };
-};
+export default entry((model) => new Board(model), (...place) => new PadView(...place));

@@ -9,7 +9,6 @@ Notebook: notebooks/02_thin_plate_splines.ipynb
 
 import io
 from collections.abc import Sequence
-from pathlib import Path
 
 import anywidget
 import numpy as np
@@ -22,9 +21,9 @@ from torch import Tensor
 
 from s2glib.viz.warps import draw_carried_grid, draw_control_points, draw_picture
 from s2glib.warping import ThinPlateSpline, fit_tps, tps_grid, warp_image
+from s2glib.widgets.parts import read_parts
 
-HERE = Path(__file__).parent
-PARTS = ("tps.js", "sheet.js", "tps_pad.js")
+PARTS = ("entry.js", "tps.js", "sheet.js", "tps_pad.js")
 MOST_POINTS = 30
 
 
@@ -51,8 +50,8 @@ class TPSPad(anywidget.AnyWidget):
             if the picture is no picture.
     """
 
-    _esm = "\n".join((HERE / part).read_text("utf-8") for part in PARTS)
-    _css = (HERE / "tps_pad.css").read_text("utf-8")
+    _esm = read_parts(*PARTS)
+    _css = read_parts("tps_pad.css")
     source: traitlets.List = traitlets.List().tag(sync=True)
     picture = traitlets.Bytes().tag(sync=True)
     ridge = traitlets.Float(0.0, min=0.0).tag(sync=True)
