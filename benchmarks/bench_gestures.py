@@ -1,6 +1,6 @@
 """Ten seconds of speech, file in, motion out: the second call in one process, two threads.
 
-pytest benchmarks/bench_gestures.py
+Run: python -m pytest -s benchmarks/bench_gestures.py
 """
 
 import pytest
@@ -10,8 +10,10 @@ from s2glib.audio import Waveform, load, save
 from s2glib.data import load_clip
 from s2glib.folders import data_folder
 from s2glib.papers.amuse import Amuse
+from s2glib.papers.probtalk import ProbTalk
 
 SECONDS = 10
+BAR = 1.0  # seconds
 
 
 @pytest.fixture(scope="module")
@@ -23,13 +25,17 @@ def recording(tmp_path_factory):
     return path
 
 
-def test_ten_seconds_of_speech_become_motion(benchmark, recording):
+@pytest.mark.parametrize("system", [Amuse, ProbTalk])
+def test_ten_seconds_of_speech_become_motion(benchmark, recording, system, capsys):
     torch.set_num_threads(2)
-    amuse = Amuse.load(data_folder() / "checkpoints")
+    model = system.load(data_folder() / "checkpoints")
 
     def file_to_motion():
-        return amuse.generate(load(recording), generator=torch.Generator().manual_seed(0))
+        return model.generate(load(recording), generator=torch.Generator().manual_seed(0))
 
     motion = benchmark.pedantic(file_to_motion, warmup_rounds=1, rounds=5)
     assert motion.frames == SECONDS * 30
-    print(f"\nmedian {benchmark.stats.stats.median:.2f} s for {SECONDS} s of speech (bar: 1 s)")
+    median = benchmark.stats.stats.median
+    with capsys.disabled():
+        print(f"\n{system.__name__}: {median:.2f} s for {SECONDS} s of speech")
+    assert median < BAR

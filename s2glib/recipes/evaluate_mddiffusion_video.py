@@ -15,7 +15,12 @@ import torch
 
 from s2glib.checkpoint import load_checkpoint
 from s2glib.corpus import HELD_OUT, PORTRAIT
-from s2glib.papers.mddiffusion import KeypointPredictor, MotionDecoupler, RefinementNet
+from s2glib.papers.mddiffusion import (
+    KeypointPredictor,
+    MDDiffusion,
+    MotionDecoupler,
+    RefinementNet,
+)
 from s2glib.recipes.mddiffusion_ablation import STAGE
 from s2glib.recipes.mddiffusion_decoupling import first_keypoints
 from s2glib.recipes.report import Row, over_draws, ratio
@@ -47,6 +52,7 @@ def evaluate_mddiffusion_video(folder: Path) -> list[Row]:
         *error_rows(film_errors(decoupler, test, refiner)),
         *wrist_rows(untold, decoupler.keypoints, train, test),
         *generalisation_rows(decoupler, refiner),
+        *larger_rows(MDDiffusion.load(folder, size=128)),
     ]
 
 
@@ -101,6 +107,14 @@ def generalisation_rows(decoupler: MotionDecoupler, refiner: RefinementNet) -> l
         errors = film_errors(decoupler, video, refiner).moving
         rows.append(ratio(f"moving region / copied, {name}", errors.refined, errors.copied))
     return rows
+
+
+def larger_rows(system: MDDiffusion) -> list[Row]:
+    """Errors region by region again, of networks for larger pictures."""
+    size = system.decoupler.config.size
+    test = VideoFrames(films(scenes("test", TEST_CLIPS), size))
+    rows = error_rows(film_errors(system.decoupler, test, system.refiner))
+    return [row._replace(name=f"{size} px: {row.name}") for row in rows]
 
 
 def ablation_rows(runs: Path) -> list[Row]:

@@ -52,18 +52,17 @@ class Lesson:
     region: Literal["all", "hidden"] = "all"
 
 
+PAPER_COURSE = Course(  # a constant rate, 100 epochs: authors' code; so many steps: ours
+    steps=40_000,
+    batch=128,
+    learning_rate=1e-4,
+    betas=(0.9, 0.99),
+    warm_up=1,
+    last_rate=1.0,
+    clip=5.0,
+)
 LESSONS = {
-    "paper": Lesson(  # 100 epochs; steps: ours
-        Course(
-            steps=40_000,
-            batch=128,
-            learning_rate=1e-4,
-            betas=(0.9, 0.99),
-            warm_up=1,
-            last_rate=1.0,
-            clip=5.0,
-        )
-    ),
+    "paper": Lesson(PAPER_COURSE),
     "teaching": Lesson(
         Course(steps=5000, batch=32, learning_rate=1e-3, betas=(0.9, 0.99), weight_decay=0.01),
         hidden="random",

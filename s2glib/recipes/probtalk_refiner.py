@@ -26,7 +26,7 @@ from s2glib.recipes.fit import Chance, Course
 from s2glib.recipes.holistic_data import holistic_clips
 from s2glib.recipes.holistic_seen import NINE, border_errors, joint_places
 from s2glib.recipes.motion_data import motion_cells
-from s2glib.recipes.probtalk_predictor import PredictorData
+from s2glib.recipes.probtalk_predictor import PAPER_COURSE, PredictorData
 from s2glib.recipes.stage import Stage
 
 _SEED = 11
@@ -52,17 +52,7 @@ class Lesson:
 
 
 LESSONS = {
-    "paper": Lesson(  # 100 epochs at a constant rate; so many steps: ours
-        Course(
-            steps=40_000,
-            batch=128,
-            learning_rate=1e-4,
-            betas=(0.9, 0.99),
-            warm_up=1,
-            last_rate=1.0,
-            clip=5.0,
-        )
-    ),
+    "paper": Lesson(PAPER_COURSE),
     "teaching": Lesson(
         Course(steps=1600, batch=16, learning_rate=1e-3, betas=(0.9, 0.99)),
         parts=True,

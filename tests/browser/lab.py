@@ -1,6 +1,7 @@
 """Drive a real JupyterLab, and plain pages, in headless Chromium."""
 
 import contextlib
+import io
 import json
 import os
 import shutil
@@ -14,6 +15,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 import nbformat
+import numpy as np
+from PIL import Image
 
 TOKEN = "s2glib"
 FLAGS = (
@@ -173,3 +176,14 @@ def run_in_kernel(page, code: str) -> str | None:
         }""",
         code,
     )
+
+
+def execute(page, code: str) -> None:
+    """Run code in the kernel, where it must not fail."""
+    assert run_in_kernel(page, code) is None
+
+
+def pixels(place) -> np.ndarray:
+    """What an element shows: (height, width, 3), 0 to 255."""
+    png = io.BytesIO(place.screenshot())
+    return np.asarray(Image.open(png).convert("RGB"), dtype=float)

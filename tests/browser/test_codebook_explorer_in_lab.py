@@ -1,12 +1,10 @@
 """The codebook explorer in a real JupyterLab."""
 
-import io
 from pathlib import Path
 
 import numpy as np
 import pytest
-from browser.lab import open_browser, open_notebook, run_all_cells, run_in_kernel, write_notebook
-from PIL import Image
+from browser.lab import execute, open_browser, open_notebook, pixels, run_all_cells, write_notebook
 
 pytestmark = pytest.mark.browser
 CELLS = (
@@ -45,13 +43,8 @@ def page(lab):
     return lab.page
 
 
-def execute(page, code):
-    assert run_in_kernel(page, code) is None
-
-
 def picture(page):
-    png = page.locator(".s2g-player canvas").screenshot()
-    return np.asarray(Image.open(io.BytesIO(png)).convert("RGB"), dtype=float)
+    return pixels(page.locator(".s2g-player canvas"))
 
 
 def slide(page, name, times):

@@ -1,12 +1,18 @@
 """The mask mixer in a real JupyterLab."""
 
 import inspect
-import io
 
 import numpy as np
 import pytest
-from browser.lab import open_browser, open_notebook, run_all_cells, run_in_kernel, write_notebook
-from PIL import Image
+from browser.lab import (
+    execute,
+    open_browser,
+    open_notebook,
+    pixels,
+    run_all_cells,
+    run_in_kernel,
+    write_notebook,
+)
 from stand_in_pair import stand_in_pair
 
 from s2glib.widgets import MaskMixer
@@ -47,10 +53,6 @@ def page(lab, twin):
     return lab.page
 
 
-def execute(page, code):
-    assert run_in_kernel(page, code) is None
-
-
 def wait_for_error(page, wanted):
     """Until both views show an error."""
     page.wait_for_function(
@@ -85,8 +87,7 @@ def on_slider(page, index, share):
 
 def picture(page, view=0):
     """What the canvas of the mixture shows."""
-    png = page.locator(".s2g-mixer").nth(view).locator(".mix-pictures canvas").nth(2).screenshot()
-    return np.asarray(Image.open(io.BytesIO(png)).convert("RGB"), dtype=float)
+    return pixels(page.locator(".s2g-mixer").nth(view).locator(".mix-pictures canvas").nth(2))
 
 
 ORDERS = (

@@ -1,14 +1,11 @@
 """A reader's first minutes: notebook 00 in JupyterLab, run from top to bottom and played with."""
 
-import io
 import shutil
 from pathlib import Path
 
-import numpy as np
 import pytest
-from browser.lab import open_browser, open_notebook, run_all_cells
+from browser.lab import open_browser, open_notebook, pixels, run_all_cells
 from browser.test_player_in_lab import NOW, REMEMBER_SOUNDS
-from PIL import Image
 
 pytestmark = pytest.mark.browser
 NOTEBOOK = Path(__file__).parents[2] / "notebooks" / "00_start_here.ipynb"
@@ -37,8 +34,7 @@ def demo(lab):
 
 
 def picture(demo):
-    png = demo.locator("canvas").screenshot()
-    return np.asarray(Image.open(io.BytesIO(png)).convert("RGB"), dtype=float)
+    return pixels(demo.locator("canvas"))
 
 
 def test_every_cell_runs(lab):

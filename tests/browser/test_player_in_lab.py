@@ -1,12 +1,10 @@
 """The player in a real JupyterLab."""
 
-import io
 from pathlib import Path
 
 import numpy as np
 import pytest
-from browser.lab import open_browser, open_notebook, run_all_cells, run_in_kernel, write_notebook
-from PIL import Image
+from browser.lab import execute, open_browser, open_notebook, pixels, run_all_cells, write_notebook
 from stand_in import capsule_body, waving_motion
 
 from s2glib.body import skin_motion
@@ -50,17 +48,12 @@ def page(lab):
     return lab.page
 
 
-def execute(page, code):
-    assert run_in_kernel(page, code) is None
-
-
 def views(page, name):
     return [float(view.get_attribute(f"data-{name}")) for view in page.locator(".s2g-player").all()]
 
 
 def picture(page, view=0):
-    png = page.locator(".s2g-player canvas").nth(view).screenshot()
-    return np.asarray(Image.open(io.BytesIO(png)).convert("RGB"), dtype=float)
+    return pixels(page.locator(".s2g-player canvas").nth(view))
 
 
 def wait_for_time(page, seconds):

@@ -1,12 +1,9 @@
 """The pad in a real JupyterLab."""
 
-import io
-
 import numpy as np
 import pytest
 import torch
-from browser.lab import open_browser, open_notebook, run_all_cells, run_in_kernel, write_notebook
-from PIL import Image
+from browser.lab import execute, open_browser, open_notebook, pixels, run_all_cells, write_notebook
 
 from s2glib.warping import apply_tps, bending_energy, fit_tps, tps_grid, warp_image
 from s2glib.widgets import TPSPad
@@ -38,10 +35,6 @@ def page(lab):
     execute(lab.page, "pad.ridge = 0; pad.reset()")
     wait_for_place(lab.page, 4, POINTS[4])
     return lab.page
-
-
-def execute(page, code):
-    assert run_in_kernel(page, code) is None
 
 
 def place(page, index, view=0):
@@ -79,8 +72,7 @@ def drag(page, start, end, steps=8):
 
 
 def picture(page, view=0):
-    png = page.locator(".s2g-field canvas").nth(view).screenshot()
-    return np.asarray(Image.open(io.BytesIO(png)).convert("RGB"), dtype=float)
+    return pixels(page.locator(".s2g-field canvas").nth(view))
 
 
 @pytest.mark.parametrize("ridge", [0.0, 0.01])

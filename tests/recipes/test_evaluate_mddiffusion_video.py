@@ -5,12 +5,18 @@ import pytest
 import torch
 from small_video import SMALL_DECOUPLING, SMALL_REFINEMENT, noise_film
 
-from s2glib.papers.mddiffusion import KeypointPredictor, MotionDecoupler, RefinementNet
+from s2glib.papers.mddiffusion import (
+    KeypointPredictor,
+    MDDiffusion,
+    MotionDecoupler,
+    RefinementNet,
+)
 from s2glib.recipes import evaluate_mddiffusion_video as module
 from s2glib.recipes.evaluate_mddiffusion_video import (
     ablation_rows,
     error_rows,
     generalisation_rows,
+    larger_rows,
     wrist_rows,
 )
 from s2glib.recipes.video_data import VideoFrames
@@ -67,6 +73,15 @@ def test_the_same_gestures_are_filmed_in_three_looks(rng, monkeypatch):
         {"voice_01/c"},
         {"portrait"},
     ]
+
+
+def test_larger_pictures_have_the_same_rows_under_another_name(rng, monkeypatch):
+    monkeypatch.setattr(module, "films", lambda shots, size: [noise_film(rng, size)] * 2)
+    decoupler, refiner = MotionDecoupler(SMALL_DECOUPLING), RefinementNet(SMALL_REFINEMENT)
+    found = {row.name: row for row in larger_rows(MDDiffusion(decoupler, refiner))}
+    plain = [row.name for row in error_rows(RegionErrors(MOVING, HAND, FACE))]
+    assert list(found) == [f"32 px: {name}" for name in plain]
+    assert found["32 px: moving region / copied, bent only"].value > 0
 
 
 def test_recorded_runs_are_compared_seed_by_seed(tmp_path):
