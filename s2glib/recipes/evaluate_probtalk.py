@@ -15,7 +15,7 @@ from torch import Tensor
 
 from s2glib.checkpoint import load_checkpoint
 from s2glib.corpus.script import split
-from s2glib.papers.probtalk import Asked, FeatureNets, ProbTalk, at_motion_rate
+from s2glib.papers.probtalk import Asked, FeatureNets, ProbTalk
 from s2glib.recipes.code_scores import code_rows, study_rows
 from s2glib.recipes.evaluate_holistic import (
     Truth,
@@ -30,6 +30,7 @@ from s2glib.recipes.evaluate_refiner import context_rows, refiner_rows
 from s2glib.recipes.evaluate_variety import variety_rows
 from s2glib.recipes.holistic_data import HolisticClips, holistic_clips
 from s2glib.recipes.holistic_seen import Seen, half_codes, look
+from s2glib.recipes.holistic_speech import log_mel_tracks
 from s2glib.recipes.predictor_scores import held_out, nothing_given
 from s2glib.recipes.probtalk_speakers import speaker_rows
 from s2glib.recipes.report import Row
@@ -51,7 +52,7 @@ def evaluate_probtalk(folder: Path) -> list[Row]:
     probtalk = ProbTalk.load(folder)
     nets = load_checkpoint(folder / "probtalk-features.safetensors", FeatureNets)
     check_statistics(probtalk, nets)
-    clips = holistic_clips(split("test")[:CLIPS], nets.features, hear=at_motion_rate)
+    clips = holistic_clips(split("test")[:CLIPS], nets.features, hear=log_mel_tracks)
     frames = probtalk.pqvae.config.frames
     truth = truth_of(nets, clips, frames, other_codes(nets, frames))
     return [

@@ -13,7 +13,7 @@ from torch import Tensor
 from torch.nn import functional as F
 
 from s2glib.body import FACE_CURVES
-from s2glib.corpus.build import Request, face_set, motion_set, speech_set
+from s2glib.corpus.build import face_set, motion_set
 from s2glib.corpus.script import Cell, speech_take
 from s2glib.papers.probtalk import HolisticFeatures, PQVAEConfig
 
@@ -102,19 +102,19 @@ class HolisticClips:
         return self.moving(clips, np.zeros_like(clips), frames)
 
 
-Hear = Callable[[Float[Tensor, "n heard mels"]], Float[Tensor, "n frames channels"]]
+Listen = Callable[[Sequence[Cell]], Iterable[Float[Tensor, "frames channels"]]]
 
 
 def holistic_clips(
-    cells: Sequence[Cell], features: HolisticFeatures, *, hear: Hear | None = None
+    cells: Sequence[Cell], features: HolisticFeatures, *, hear: Listen | None = None
 ) -> HolisticClips:
     """Render (or read) the motion of cells, and their speech.
 
     Args:
         cells: which clips.
         features: how poses and faces become features.
-        hear: turns the cached log-mels of whole clips into tracks at the motion's frame rate;
-            without it, the clips have no speech.
+        hear: the speech of clips at the motion's rate, see `Hearing.tracks`; without it, the
+            clips have none.
     """
     with torch.no_grad():
         pairs = zip(motion_set(cells).poses, face_set(cells), strict=True)
@@ -124,8 +124,7 @@ def holistic_clips(
     if hear is None:
         return HolisticClips(cells, motion)
     spoken = list(dict.fromkeys(spoken_cell(cell) for cell in cells))
-    windows = speech_set([Request(cell) for cell in spoken]).windows
-    speech = Tracks(hear(single(window)[None])[0] for window in windows)
+    speech = Tracks(hear(spoken))
     rows = {cell: row for row, cell in enumerate(spoken)}
     return HolisticClips(cells, motion, speech, np.array([rows[spoken_cell(c)] for c in cells]))
 

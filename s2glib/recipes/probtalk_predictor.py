@@ -15,7 +15,7 @@ from torch import Tensor, nn
 from torch.nn import functional as F
 
 from s2glib.checkpoint import load_checkpoint
-from s2glib.corpus.script import SPEAKERS, split
+from s2glib.corpus.script import SPEAKERS, TRAIN_SPEAKERS, split
 from s2glib.papers.probtalk import PQVAE, PREDICTOR_PRESETS, Predictor
 from s2glib.papers.probtalk.masking import (
     hide_tokens,
@@ -24,9 +24,9 @@ from s2glib.papers.probtalk.masking import (
     random_shares,
     window_contexts,
 )
-from s2glib.papers.probtalk.speech_features import at_motion_rate
 from s2glib.recipes.fit import Chance, Course
 from s2glib.recipes.holistic_data import HolisticClips, holistic_clips
+from s2glib.recipes.holistic_speech import hearing
 from s2glib.recipes.motion_data import motion_cells
 from s2glib.recipes.predictor_scores import predictor_scores
 from s2glib.recipes.stage import Stage
@@ -152,8 +152,9 @@ def train(stage: Stage) -> None:
     path = stage.folder / "checkpoints" / "probtalk-pqvae.safetensors"
     pqvae = load_checkpoint(path, PQVAE).requires_grad_(False)
     config, lesson = PREDICTOR_PRESETS[stage.preset], LESSONS[stage.preset]
-    lesson = replace(lesson, course=stage.course(lesson.course))
-    clips = holistic_clips(motion_cells(), pqvae.features, hear=at_motion_rate)
+    lesson, heard = replace(lesson, course=stage.course(lesson.course)), hearing(stage.preset)
+    config = replace(config, speech=heard.channels, speakers=len(TRAIN_SPEAKERS))
+    clips = holistic_clips(motion_cells(), pqvae.features, hear=heard.tracks)
     data = PredictorData(clips, pqvae, config.context_parts)
     torch.manual_seed(stage.seed)
     model = Predictor(config)
@@ -161,5 +162,5 @@ def train(stage: Stage) -> None:
     draw = partial(data.draw, lesson, model.mask)
     kept, record = stage.train(stage.name, objective, lesson.course, draw)
     predictor = kept.model.eval()
-    held_out = holistic_clips(split("validation"), pqvae.features, hear=at_motion_rate)
+    held_out = holistic_clips(split("validation"), pqvae.features, hear=heard.tracks)
     stage.publish(stage.name, predictor, record, predictor_scores(pqvae, predictor, held_out))

@@ -14,17 +14,17 @@ from jaxtyping import Bool, Float, Int
 from torch import Tensor, nn
 
 from s2glib.checkpoint import load_checkpoint
-from s2glib.corpus.script import split
+from s2glib.corpus.script import TRAIN_SPEAKERS, split
 from s2glib.layers import in_batches
 from s2glib.papers.probtalk import PQVAE
 from s2glib.papers.probtalk.config import REFINER_PRESETS
 from s2glib.papers.probtalk.keeping import eased
 from s2glib.papers.probtalk.masking import part_contexts, window_contexts
 from s2glib.papers.probtalk.refiner import Refiner, fill, refiner_losses
-from s2glib.papers.probtalk.speech_features import at_motion_rate
 from s2glib.recipes.fit import Chance, Course
 from s2glib.recipes.holistic_data import holistic_clips
 from s2glib.recipes.holistic_seen import NINE, border_errors, joint_places
+from s2glib.recipes.holistic_speech import hearing
 from s2glib.recipes.motion_data import motion_cells
 from s2glib.recipes.probtalk_predictor import PAPER_COURSE, PredictorData
 from s2glib.recipes.stage import Stage
@@ -161,16 +161,17 @@ def train(stage: Stage) -> None:
     path = stage.folder / "checkpoints" / "probtalk-pqvae.safetensors"
     pqvae = load_checkpoint(path, PQVAE).requires_grad_(False).eval()
     config, lesson = REFINER_PRESETS[stage.preset], LESSONS[stage.preset]
-    lesson = replace(lesson, course=stage.course(lesson.course))
+    lesson, heard = replace(lesson, course=stage.course(lesson.course)), hearing(stage.preset)
+    config = replace(config, speech=heard.channels, speakers=len(TRAIN_SPEAKERS))
     torch.manual_seed(stage.seed)
     model = Refiner(config)
     model.features.load_state_dict(pqvae.features.state_dict())
-    clips = holistic_clips(motion_cells(), pqvae.features, hear=at_motion_rate)
+    clips = holistic_clips(motion_cells(), pqvae.features, hear=heard.tracks)
     data = PredictorData(clips, pqvae, config.context_parts)
     objective, drawn = RefinerObjective(model, lesson), partial(draw, data, lesson, config.noise)
     kept, record = stage.train(stage.name, objective, lesson.course, drawn)
     refiner = kept.model.eval()
-    held_out = holistic_clips(split("validation"), pqvae.features, hear=at_motion_rate)
+    held_out = holistic_clips(split("validation"), pqvae.features, hear=heard.tracks)
     scores = refiner_scores(PredictorData(held_out, pqvae, config.context_parts), refiner)
     figures = {
         f"{name}, refined / {before}": float(after.mean() / values.mean())

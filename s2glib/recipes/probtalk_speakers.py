@@ -16,8 +16,9 @@ import torch
 
 from s2glib.checkpoint import load_checkpoint
 from s2glib.corpus.script import TRAIN_SPEAKERS, Cell, split
-from s2glib.papers.probtalk import PQVAE, PREDICTOR_PRESETS, Predictor, at_motion_rate
+from s2glib.papers.probtalk import PQVAE, PREDICTOR_PRESETS, Predictor
 from s2glib.recipes.holistic_data import holistic_clips
+from s2glib.recipes.holistic_speech import log_mel_tracks
 from s2glib.recipes.predictor_scores import held_out, nothing_given, token_scores
 from s2glib.recipes.probtalk_predictor import LESSONS, PredictorData, PredictorObjective
 from s2glib.recipes.records import recorded_figures
@@ -48,7 +49,7 @@ def short_run(stage: Stage, name: str, pqvae: PQVAE, cells: list[Cell]) -> Predi
     """A Predictor that saw some of the clips."""
     config, lesson = PREDICTOR_PRESETS[stage.preset], LESSONS[stage.preset]
     lesson = replace(lesson, course=stage.course(lesson.course))
-    clips = holistic_clips(cells, pqvae.features, hear=at_motion_rate)
+    clips = holistic_clips(cells, pqvae.features, hear=log_mel_tracks)
     data = PredictorData(clips, pqvae, config.context_parts)
     torch.manual_seed(stage.seed)
     model = Predictor(config)
@@ -59,7 +60,7 @@ def short_run(stage: Stage, name: str, pqvae: PQVAE, cells: list[Cell]) -> Predi
 
 def error_on(pqvae: PQVAE, model: Predictor, cells: list[Cell]) -> float:
     """Cross-entropy of all tokens of the first windows, from the speech alone."""
-    clips = holistic_clips(cells, pqvae.features, hear=at_motion_rate)
+    clips = holistic_clips(cells, pqvae.features, hear=log_mel_tracks)
     windows = held_out(clips, pqvae.config.frames)
     return token_scores(pqvae, model, windows, nothing_given(windows))[ERROR]
 

@@ -3,7 +3,7 @@ import pytest
 import torch
 
 from s2glib.corpus import Cell
-from s2glib.corpus.build import MotionSet, SpeechSet
+from s2glib.corpus.build import MotionSet
 from s2glib.papers.probtalk import TEACHING_PQVAE, HolisticFeatures
 from s2glib.recipes import holistic_data
 from s2glib.recipes.holistic_data import Tracks, fitted_features, holistic_clips, whole_face
@@ -14,19 +14,13 @@ HEARD = 50  # frames of a made-up speech track
 
 @pytest.fixture
 def _corpus(monkeypatch):
-    """Clips that nobody rendered; speech tells its cell's sentence and take, and counts frames."""
+    """Clips that nobody rendered."""
 
     def tracks(cells, *shape):
         draws = [np.random.default_rng([c.sentence, c.take]) for c in cells]
         return [
             d.normal(0, 0.3, (30 + 7 * c.take, *shape)) for d, c in zip(draws, cells, strict=True)
         ]
-
-    def speech_set(requests):
-        told = [[100 * r.cell.sentence + 10 * r.cell.take, 0.0] for r in requests]
-        count = np.stack([np.zeros(HEARD), np.arange(HEARD)], axis=1)
-        windows = np.stack([np.array(one) + count for one in told])
-        return SpeechSet(windows.astype(np.float16), np.ones(len(requests)))
 
     def half(values):
         return [value.astype(np.float16) for value in values]
@@ -35,7 +29,13 @@ def _corpus(monkeypatch):
         holistic_data, "motion_set", lambda cells: MotionSet(half(tracks(cells, 55, 3)), 30)
     )
     monkeypatch.setattr(holistic_data, "face_set", lambda cells: half(tracks(cells, 12)))
-    monkeypatch.setattr(holistic_data, "speech_set", speech_set)
+
+
+def spoken(cells):
+    """Speech that tells its cell's sentence and take, and counts frames by twos."""
+    count = torch.arange(0.0, HEARD, 2)
+    for cell in cells:
+        yield torch.stack([100 * cell.sentence + 10 * cell.take + 0 * count, count], dim=1)
 
 
 def of(*rows):
@@ -61,7 +61,7 @@ def test_clips_hold_the_features_of_poses_and_faces():
 
 @pytest.mark.usefixtures("_corpus")
 def test_performances_hear_the_speech_they_share_at_their_own_frames():
-    clips = holistic_clips(CELLS, HolisticFeatures(12), hear=lambda window: window[:, ::2])
+    clips = holistic_clips(CELLS, HolisticFeatures(12), hear=spoken)
     heard = clips.heard(of(1, 2, 5), of(0, 3, 0), 4)
     assert heard[..., 0].tolist() == [[0.0] * 4, [10.0] * 4, [110.0] * 4]  # takes 0, 1 and 1
     assert heard[..., 1].tolist() == [[0, 2, 4, 6], [6, 8, 10, 12], [0, 2, 4, 6]]
@@ -71,15 +71,15 @@ def test_performances_hear_the_speech_they_share_at_their_own_frames():
 @pytest.mark.usefixtures("_corpus")
 def test_windows_start_where_motion_and_speech_have_room(rng):
     silent = holistic_clips(CELLS, HolisticFeatures(12))
-    spoken = holistic_clips(CELLS, HolisticFeatures(12), hear=lambda window: window)
+    heard = holistic_clips(CELLS, HolisticFeatures(12), hear=spoken)
     rows = rng.integers(len(CELLS), size=4000)
-    for clips, longest in ((silent, 107), (spoken, HEARD)):
-        offsets = clips.any_offset(rows, 40, rng)
+    for clips, longest in ((silent, 107), (heard, HEARD // 2)):
+        offsets = clips.any_offset(rows, 20, rng)
         ends = np.minimum(clips.motion.lengths, longest)[rows]
         assert (offsets >= 0).all()
-        assert (offsets <= np.maximum(ends - 40, 0)).all()
-        assert offsets[rows == 2].max() == longest - 40
-    assert (spoken.any_offset(of(0), 40, rng) == 0).all()
+        assert (offsets <= np.maximum(ends - 20, 0)).all()
+        assert offsets[rows == 2].max() == longest - 20
+    assert (heard.any_offset(of(0), 40, rng) == 0).all()
 
 
 @pytest.mark.usefixtures("_corpus")

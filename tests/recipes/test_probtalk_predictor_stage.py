@@ -9,7 +9,13 @@ import torch
 
 from s2glib.checkpoint import load_checkpoint, save_checkpoint
 from s2glib.corpus import EMOTIONS, SPEAKERS, Cell
-from s2glib.papers.probtalk import PQVAE, TEACHING_PQVAE, TEACHING_PREDICTOR, Predictor
+from s2glib.papers.probtalk import (
+    PAPER_PREDICTOR,
+    PQVAE,
+    TEACHING_PQVAE,
+    TEACHING_PREDICTOR,
+    Predictor,
+)
 from s2glib.papers.probtalk.pipeline import ProbTalk
 from s2glib.recipes import probtalk_predictor as recipe
 from s2glib.recipes.fit import Chance, Course, Training
@@ -23,16 +29,9 @@ from s2glib.recipes.predictor_scores import (
 )
 from s2glib.recipes.stage import Stage
 
-CONFIG = replace(
-    TEACHING_PREDICTOR,
-    audio_width=8,
-    context_widths=(4, 8, 8),
-    width=16,
-    heads=2,
-    layers=1,
-    hidden=16,
-    style=4,
-)
+THIN = {"audio_width": 8, "context_widths": (4, 8, 8), "width": 16, "heads": 2, "layers": 1}
+THIN |= {"hidden": 16, "style": 4}
+CONFIG = replace(TEACHING_PREDICTOR, **THIN)
 PQ = replace(TEACHING_PQVAE, widths=(8, 8, 8, 8))
 COURSE = Course(steps=3, batch=8, learning_rate=1e-3, warm_up=1)
 LESSON = recipe.Lesson(COURSE, hidden="random", parts=True)
@@ -158,15 +157,23 @@ def test_margins_are_taken_in_both_directions_of_both_motions(data, pqvae):
     assert {name.rpartition(", ")[2] for name in margins} == {"sampled", "decoded"}
 
 
-def test_the_stage_leaves_a_checkpoint_and_its_figures(tmp_path, clips, pqvae, monkeypatch):
+@pytest.mark.parametrize(
+    ("preset", "config"),
+    [("teaching", CONFIG), ("paper", replace(PAPER_PREDICTOR, motion=288, **THIN))],
+)
+def test_the_stage_leaves_a_checkpoint_and_its_figures(
+    tmp_path, clips, pqvae, monkeypatch, preset, config
+):
     save_checkpoint(tmp_path / "checkpoints" / "probtalk-pqvae.safetensors", pqvae, PQ)
-    monkeypatch.setitem(recipe.PREDICTOR_PRESETS, "teaching", CONFIG)
-    monkeypatch.setitem(recipe.LESSONS, "teaching", LESSON)
+    monkeypatch.setitem(recipe.PREDICTOR_PRESETS, preset, config)
+    monkeypatch.setitem(recipe.LESSONS, preset, replace(recipe.LESSONS[preset], course=COURSE))
     monkeypatch.setattr(recipe, "holistic_clips", lambda *_, **__: clips)
-    recipe.train(Stage("probtalk-predictor", tmp_path, steps=2))
-    load_checkpoint(tmp_path / "checkpoints" / "probtalk-predictor.safetensors", Predictor)
-    run = json.loads((tmp_path / "runs" / "probtalk-predictor-teaching-0.json").read_text())
-    assert run["figures"].keys() == predictor_scores(pqvae, Predictor(CONFIG), clips).keys()
+    recipe.train(Stage("probtalk-predictor", tmp_path, preset=preset, steps=2))
+    path = tmp_path / "checkpoints" / "probtalk-predictor.safetensors"
+    model = load_checkpoint(path, Predictor)
+    assert model.config == replace(config, speech=64, speakers=24)
+    run = json.loads((tmp_path / "runs" / f"probtalk-predictor-{preset}-0.json").read_text())
+    assert run["figures"].keys() == predictor_scores(pqvae, model, clips).keys()
     assert run["steps"] == 2
 
 

@@ -75,7 +75,7 @@ def _corpus(monkeypatch, pqvae, tmp_path):
     monkeypatch.setattr(recipe, "motion_cells", lambda: CELLS)
     for preset, refiner, features in (
         ("teaching", REFINER, FEATURES),
-        ("paper", replace(PAPER_REFINER, expression=12, speech=64, speakers=2, **THIN),
+        ("paper", replace(PAPER_REFINER, expression=12, **THIN),
          replace(PAPER_FEATURES, expression=12, frames=16, widths=(8, 8, 8, 4), hidden=(8, 8))),
     ):  # fmt: skip
         monkeypatch.setitem(REFINER_PRESETS, preset, refiner)
