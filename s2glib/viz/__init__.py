@@ -8,6 +8,7 @@ from s2glib.viz.flows import (
     draw_occlusion,
     draw_weight_maps,
 )
+from s2glib.viz.kept import draw_kept
 from s2glib.viz.motion import draw_pose, draw_strip
 from s2glib.viz.pictures import (
     draw_boxes,
@@ -17,6 +18,7 @@ from s2glib.viz.pictures import (
 )
 from s2glib.viz.surface import draw_bodies, draw_surface
 from s2glib.viz.systems import draw_systems
+from s2glib.viz.tokens import draw_tokens
 from s2glib.viz.video_file import write_video
 from s2glib.viz.warps import (
     draw_carried_grid,
@@ -37,6 +39,7 @@ __all__ = [
     "draw_flow",
     "draw_gram",
     "draw_heatmap",
+    "draw_kept",
     "draw_keypoint_groups",
     "draw_masks",
     "draw_moving_flow",
@@ -47,6 +50,7 @@ __all__ = [
     "draw_strip",
     "draw_surface",
     "draw_systems",
+    "draw_tokens",
     "draw_warped_grid",
     "draw_waveform",
     "draw_weight_maps",

@@ -6,11 +6,13 @@ from s2glib.widgets.emotion_swap import EmotionSwapDemo
 from s2glib.widgets.film_player import FilmPlayer
 from s2glib.widgets.loss_mixer import LossMixer
 from s2glib.widgets.mask_mixer import MaskMixer
+from s2glib.widgets.mask_painter import MaskPainter
 from s2glib.widgets.page import write_film_page, write_html
 from s2glib.widgets.player import Player
 from s2glib.widgets.shipped_swap import corpus_swap
 from s2glib.widgets.toy_arm import ToyArm
 from s2glib.widgets.tps_pad import TPSPad
+from s2glib.widgets.unmasking_stepper import UnmaskingStepper
 
 __all__ = [
     "CodebookExplorer",
@@ -19,11 +21,13 @@ __all__ = [
     "FilmPlayer",
     "LossMixer",
     "MaskMixer",
+    "MaskPainter",
     "Panel",
     "Player",
     "Slider",
     "TPSPad",
     "ToyArm",
+    "UnmaskingStepper",
     "corpus_swap",
     "write_film_page",
     "write_html",

@@ -128,7 +128,7 @@ class ProbTalk:
             TypeError: if something is of another type.
             ValueError: if there is no such speaker, or mask, motion and speech do not fit.
         """
-        self._check(waveform, speaker)
+        self.check(waveform, speaker)
         frames = max(1, round(MOTION_FPS * waveform.duration))
         kept = kept_parts(known, context_mask, frames)
         asked = self.ask(waveform, frames, known, kept, speaker)
@@ -136,7 +136,13 @@ class ProbTalk:
         features = self.pqvae.features
         return embody(features.to_poses(track), features.to_expression(track), known, kept)
 
-    def _check(self, waveform: Waveform, speaker: int) -> None:
+    def check(self, waveform: Waveform, speaker: int) -> None:
+        """Refuse what is no speech, or a speaker whom the networks do not know.
+
+        Raises:
+            TypeError: if something is of another type.
+            ValueError: if there is no such speaker.
+        """
         if not isinstance(waveform, Waveform):
             raise TypeError(
                 f"speech comes as a Waveform, got {type(waveform).__name__}; read a file with "

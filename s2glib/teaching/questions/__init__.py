@@ -6,6 +6,9 @@ from s2glib.teaching.questions import (
     notebook_02,
     notebook_03,
     notebook_04,
+    notebook_05,
+    notebook_06,
+    notebook_07,
 )
 from s2glib.teaching.questions.question import Option, Question
 
@@ -17,6 +20,9 @@ QUESTIONS: tuple[Question, ...] = (
     *notebook_02.QUESTIONS,
     *notebook_03.QUESTIONS,
     *notebook_04.QUESTIONS,
+    *notebook_05.QUESTIONS,
+    *notebook_06.QUESTIONS,
+    *notebook_07.QUESTIONS,
 )
 
 
