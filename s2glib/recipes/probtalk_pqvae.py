@@ -36,7 +36,7 @@ COURSES = {
         last_rate=1.0,
         clip=1e9,  # the code clips before there are gradients
     ),
-    "teaching": Course(steps=8000, batch=32, learning_rate=3e-3, weight_decay=1e-4),
+    "teaching": Course(steps=6000, batch=32, learning_rate=3e-3, weight_decay=1e-4),
 }
 STARTING = 800  # windows that principal components are taken of
 FRAMES = {"paper": 176, "teaching": 96}  # of a training window; authors' code, ours

@@ -64,7 +64,7 @@ PAPER_COURSE = Course(  # a constant rate, 100 epochs: authors' code; so many st
 LESSONS = {
     "paper": Lesson(PAPER_COURSE),
     "teaching": Lesson(
-        Course(steps=5000, batch=32, learning_rate=1e-3, betas=(0.9, 0.99), weight_decay=0.01),
+        Course(steps=4000, batch=32, learning_rate=1e-3, betas=(0.9, 0.99), weight_decay=0.01),
         hidden="random",
         parts=True,
     ),

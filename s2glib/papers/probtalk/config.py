@@ -70,8 +70,8 @@ TEACHING_PQVAE = replace(
     decay=0.95,
     revive_below=0.15,
     commitment=3.0,
-    wrists=5.0,
-    movement=100.0,
+    wrists=4.0,
+    movement=40.0,
 )
 
 PQVAE_PRESETS = {"paper": PAPER_PQVAE, "teaching": TEACHING_PQVAE}
