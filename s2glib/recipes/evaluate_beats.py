@@ -7,7 +7,7 @@ Notebook: notebooks/18_beats.ipynb
 from collections.abc import Sequence
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from s2glib.body.skeleton import joint
 from s2glib.metrics import BEAT_PRESETS, preset_beats, shuffled_alignment
@@ -25,6 +25,7 @@ def beat_rows(
     made: Float[np.ndarray, "n frames 9 3"],
     audio_beats: Sequence[Float[np.ndarray, " _"]],
     kind: str,
+    lengths: Int[np.ndarray, " n"] | None = None,
 ) -> list[Row]:
     """Beat alignment of real motion, and of generated motion once chance is taken away.
 
@@ -33,9 +34,13 @@ def beat_rows(
         made: the same for generated motion.
         audio_beats: seconds, one array per clip; those after the motion's end do not count.
         kind: what the audio beats are.
+        lengths: frames that the clips truly have; None: all. After them nothing moves.
     """
-    ends = real.shape[1] / MOTION_FPS
-    heard = [beats[beats < ends] for beats in audio_beats]
+    frames = real.shape[1]
+    ends = (
+        np.full(len(real), frames) if lengths is None else lengths.clip(max=frames)
+    ) / MOTION_FPS
+    heard = [beats[beats < end] for beats, end in zip(audio_beats, ends, strict=True)]
     rows = []
     for way in ("motion to audio", "audio to motion"):
         own, generated = (_alignment(places, heard, ends, way) for places in (real, made))
@@ -53,7 +58,7 @@ def beat_rows(
 
 
 def _alignment(
-    places: np.ndarray, heard: list[np.ndarray], ends: float, way: str
+    places: np.ndarray, heard: list[np.ndarray], ends: np.ndarray, way: str
 ) -> ShuffledAlignment:
     """A body without beats has nan, which counts as 0."""
     moved = [preset_beats(_body(clip), MOTION_FPS, preset="amuse")[0] for clip in places]
@@ -61,7 +66,7 @@ def _alignment(
     return shuffled_alignment(
         first,
         second,
-        durations=np.full(len(places), ends),
+        durations=ends,
         sigma=BEAT_PRESETS["amuse"].sigma,
         rng=np.random.default_rng(_SEED),
     )

@@ -4,6 +4,8 @@ Paper:    AM E (FGD)
 Notebook: notebooks/17_motion_distances.ipynb
 """
 
+from typing import NamedTuple
+
 import numpy as np
 import torch
 from jaxtyping import Float
@@ -28,27 +30,43 @@ def frechet_rows(real: Seen, made: Seen, others: Seen) -> list[Row]:
     }
     count = min(SET, len(real.motion), len(others.motion))
     return [
-        over_draws(f"FGD ratio, {name}", frechet_ratios(*sets, count=count), count)
+        over_draws(f"FGD ratio, {name}", distances(*sets, count=count).ratios, count)
         for name, sets in measured.items()
     ]
 
 
-def frechet_ratios(
+class Distances(NamedTuple):
+    """Frechet distances to the same real clips, draw after draw.
+
+    Attributes:
+        made: of generated clips.
+        others: of other real clips.
+    """
+
+    made: Float[np.ndarray, " draws"]
+    others: Float[np.ndarray, " draws"]
+
+    @property
+    def ratios(self) -> Float[np.ndarray, " draws"]:
+        """1 where generated clips are as near as real ones."""
+        return self.made / self.others
+
+
+def distances(
     real: Float[np.ndarray, "n d"],
     made: Float[np.ndarray, "n d"],
     others: Float[np.ndarray, "m d"],
     *,
     count: int,
-) -> Float[np.ndarray, " draws"]:
-    """The ratio for several draws of `count` clips and `count` others."""
+) -> Distances:
+    """Several draws of `count` clips and `count` others."""
     rng = np.random.default_rng(_SEED)
-    ratios = []
+    pairs = []
     for _ in range(DRAWS):
         chosen = rng.choice(len(real), count, replace=False)
         compared = others[rng.choice(len(others), count, replace=False)]
-        scale = frechet_distance(compared, real[chosen])
-        ratios.append(frechet_distance(made[chosen], real[chosen]) / scale)
-    return np.array(ratios)
+        pairs.append([frechet_distance(x, real[chosen]) for x in (made[chosen], compared)])
+    return Distances(*np.array(pairs).T)
 
 
 def principal_components(clips: Float[Tensor, "n d"], count: int) -> Float[Tensor, "d count"]:

@@ -4,10 +4,11 @@ Paper:    PT B, Tab. 7 (FGD, MAE, BC)
 Notebook: notebooks/17_motion_distances.ipynb
 """
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
 from s2glib.corpus.build import Request, onset_set, timing_of
 from s2glib.metrics import (
@@ -20,7 +21,7 @@ from s2glib.metrics import (
 from s2glib.papers.probtalk import FeatureNets
 from s2glib.papers.probtalk.speech_features import MOTION_FPS
 from s2glib.recipes.evaluate_beats import beat_rows
-from s2glib.recipes.evaluate_frechet import frechet_ratios
+from s2glib.recipes.evaluate_frechet import Distances, distances
 from s2glib.recipes.holistic_data import HolisticClips
 from s2glib.recipes.holistic_seen import WRISTS, Seen, look, wrist_agreement
 from s2glib.recipes.report import Row, figure, over_draws, ratio
@@ -31,14 +32,12 @@ class Truth(NamedTuple):
 
     Attributes:
         seen: the test clips' own motion.
-        lengths: their frames.
         others: what FGD's networks make of other real clips.
         onsets: of the speech, seconds, none after a clip's end.
         stresses: likewise.
     """
 
     seen: Seen
-    lengths: Int[np.ndarray, " n"]
     others: dict[str, Float[np.ndarray, "m code"]]
     onsets: list[Float[np.ndarray, " _"]]
     stresses: list[Float[np.ndarray, " _"]]
@@ -52,11 +51,11 @@ def truth_of(
 ) -> Truth:
     """The clips' own motion and beats, in windows of so many frames."""
     seen = look(nets, clips.first(frames), clips.motion.lengths)
-    ends = np.minimum(clips.motion.lengths, frames) / MOTION_FPS
+    ends = seen.lengths / MOTION_FPS
     onsets = onset_set([Request(cell) for cell in clips.cells])
     stresses = [timing_of(cell).stress_times for cell in clips.cells]
     heard = ([b[b < end] for b, end in zip(k, ends, strict=True)] for k in (onsets, stresses))
-    return Truth(seen, clips.motion.lengths, others, *heard)
+    return Truth(seen, others, *heard)
 
 
 def real_rows(truth: Truth) -> list[Row]:
@@ -64,29 +63,39 @@ def real_rows(truth: Truth) -> list[Row]:
     seen = truth.seen
     return [
         *(row for row in _beats(truth, seen) if "of real motion" in row.name),
+        *(
+            over_draws(f"FGD, {kind}, other real clips", apart.others, count)
+            for kind, apart, count in _distances(truth, seen)
+        ),
         consistency_row("BC of real motion", truth, seen),
-        figure("agreement of wrists, real motion", wrist_agreement(seen.joints)),
+        figure("agreement of wrists, real motion", wrist_agreement(seen.own)),
     ]
 
 
 def crowd_rows(truth: Truth, made: Seen, name: str) -> list[Row]:
-    """FGD over that of other real clips, by each network: 1 is as good as real  [PT Tab. 7]."""
-    rows = []
+    """FGD by each network, and over that of other real clips: 1 is as good as real  [PT Tab. 7]."""
+    return [
+        over_draws(f"{what}, {kind}, {name}", values, count)
+        for kind, apart, count in _distances(truth, made)
+        for what, values in (("FGD", apart.made), ("FGD ratio", apart.ratios))
+    ]
+
+
+def _distances(truth: Truth, made: Seen) -> Iterator[tuple[str, Distances, int]]:
     for kind, codes in truth.seen.codes.items():
         count = min(len(codes), len(truth.others[kind]))
-        ratios = frechet_ratios(codes, made.codes[kind], truth.others[kind], count=count)
-        rows.append(over_draws(f"FGD ratio, {kind}, {name}", ratios, count))
-    return rows
+        yield kind, distances(codes, made.codes[kind], truth.others[kind], count=count), count
 
 
 def truth_rows(truth: Truth, made: Seen, name: str) -> list[Row]:
     """MAE in both readings, and what a real motion for other words gets  [PT Tab. 7]."""
-    real = truth.seen.joints
+    real, others = truth.seen.own, np.roll(truth.seen.joints, 1, axis=0)
     summed, mean = (
-        np.array([error(*pair) for pair in zip(made.joints, real, strict=True)])
+        np.array([error(*pair) for pair in zip(made.own, real, strict=True)])
         for error in (mean_joint_error, mean_absolute_error)
     )
-    other = np.array([mean_joint_error(*p) for p in zip(np.roll(real, 1, 0), real, strict=True)])
+    pairs = zip(others, real, strict=True)
+    other = np.array([mean_joint_error(clip[: len(own)], own) for clip, own in pairs])
     return [
         figure(f"MAE, sum over joints, m, {name}", summed),
         figure(f"MAE, mean over coordinates, cm, {name}", 100 * mean),
@@ -104,29 +113,30 @@ def rhythm_rows(truth: Truth, made: Seen, name: str) -> list[Row]:
 
 
 def _beats(truth: Truth, made: Seen) -> list[Row]:
-    return beat_rows(truth.seen.nine, made.nine, truth.stresses, "stressed syllables")
+    kind, lengths = "stressed syllables", truth.seen.lengths
+    return beat_rows(truth.seen.nine, made.nine, truth.stresses, kind, lengths)
 
 
 def consistency_row(name: str, truth: Truth, seen: Seen) -> Row:
     """BC: every onset of the speech counts the same, and so long clips more  [PT Tab. 7]."""
-    bodies, counts = seen.joints[:, :, :22], np.array([len(beats) for beats in truth.onsets])
-    speed = mean_speeds([*truth.seen.joints[:, :, :22]], MOTION_FPS, preset="probtalk")
+    counts = np.array([len(beats) for beats in truth.onsets])
+    speed = mean_speeds([body[:, :22] for body in truth.seen.own], MOTION_FPS, preset="probtalk")
     scores = [
-        beat_score(body, beats, MOTION_FPS, preset="probtalk", reference_speed=speed)
-        for body, beats in zip(bodies, truth.onsets, strict=True)
+        beat_score(body[:, :22], beats, MOTION_FPS, preset="probtalk", reference_speed=speed)
+        for body, beats in zip(seen.own, truth.onsets, strict=True)
     ]
     return ratio(name, np.nan_to_num(scores) * counts, counts)
 
 
 def manner_rows(truth: Truth, made: Seen, name: str) -> list[Row]:
     """How fast and how smoothly the wrists move, and whether they move together."""
-    rows = [figure(f"agreement of wrists, {name}", wrist_agreement(made.joints))]
+    rows = [figure(f"agreement of wrists, {name}", wrist_agreement(made.own))]
     for what, order in (("speed", 1), ("jerk", 3)):
-        sizes = (_wrist_sizes(seen.joints, order) for seen in (made, truth.seen))
+        sizes = (_wrist_sizes(seen, order) for seen in (made, truth.seen))
         rows.append(ratio(f"{what} of wrists / real, {name}", *sizes))
     return rows
 
 
-def _wrist_sizes(joints: Float[np.ndarray, "n frames 55 3"], order: int) -> Float[np.ndarray, " n"]:
-    wrists = (clip[:, WRISTS] for clip in joints)
+def _wrist_sizes(seen: Seen, order: int) -> Float[np.ndarray, " n"]:
+    wrists = (clip[:, WRISTS] for clip in seen.own)
     return np.array([derivative_sizes(w, MOTION_FPS, order=order).mean() for w in wrists])

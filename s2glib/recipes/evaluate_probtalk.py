@@ -93,7 +93,7 @@ def generated_rows(
     asked = nothing_given(held_out(clips, probtalk.pqvae.config.frames))
 
     def seen(system: ProbTalk, steps: int) -> Seen:
-        return look(nets, sampled(system, asked, steps), truth.lengths)
+        return look(nets, sampled(system, asked, steps), truth.seen.lengths)
 
     plain = seen(ProbTalk(probtalk.pqvae, probtalk.predictor, None, probtalk.hear), DEFAULT_STEPS)
     made = {steps: seen(probtalk, steps) for steps in STEPS}

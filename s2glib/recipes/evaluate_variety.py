@@ -4,15 +4,17 @@ Paper:    PT B, Fig. 6; diversity: authors' code
 Notebook: notebooks/17_motion_distances.ipynb
 """
 
+from functools import partial
+
 import numpy as np
 import torch
 from jaxtyping import Float
 
 from s2glib.corpus.script import split
 from s2glib.metrics import sample_variance
-from s2glib.papers.probtalk import ProbTalk
+from s2glib.papers.probtalk import Asked, ProbTalk
 from s2glib.recipes.holistic_data import HolisticClips, holistic_clips
-from s2glib.recipes.holistic_seen import held, joint_places, mirrored
+from s2glib.recipes.holistic_seen import joint_places, mirrored
 from s2glib.recipes.predictor_scores import held_out, nothing_given
 from s2glib.recipes.report import Row, figure, ratio
 
@@ -24,21 +26,23 @@ def variety_rows(probtalk: ProbTalk, clips: HolisticClips) -> list[Row]:
     """32 samples for each of some clips, beside 32 real clips that have nothing to do with them."""
     pqvae, some = probtalk.pqvae, np.arange(CLIPS)
     windows = held_out(clips, pqvae.config.frames)
-    asked = nothing_given(type(windows)(*(part[:CLIPS] for part in windows)))
+    asked = Asked(*(part[:CLIPS] for part in nothing_given(windows)))
     generator = torch.Generator().manual_seed(_SEED)
     drawn = [probtalk.sample(asked, generator=generator) for _ in range(SAMPLES)]
-    lengths = clips.motion.lengths[some]
-    real = joint_places(pqvae.features, held(windows.motion[:CLIPS], lengths))
-    made = np.stack([joint_places(pqvae.features, held(m, lengths)) for m in drawn], axis=1)
-    others = other_clips(probtalk)
-    spread = np.array([sample_variance(samples) for samples in made])
+    lengths = windows.lengths[some]
+    places, others = partial(joint_places, pqvae.features), other_clips(probtalk)
+    samples = np.stack([places(motion) for motion in drawn], axis=1)
+    real = [clip[:n] for clip, n in zip(places(windows.motion[:CLIPS]), lengths, strict=True)]
+    made = [crowd[:, :n] for crowd, n in zip(samples, lengths, strict=True)]
+    strangers = [others[:, :n] for n in lengths]
+    spread, usual = (np.array([sample_variance(c) for c in crowds]) for crowds in (made, strangers))
     best, best_other = (
         np.array([nearest(crowd, truth) for crowd, truth in zip(crowds, real, strict=True)])
-        for crowds in (made, [others] * CLIPS)
+        for crowds in (made, strangers)
     )
     return [
         figure("diversity of 32 samples, m^2", spread),
-        figure("diversity of 32 samples / of 32 real clips", spread / sample_variance(others)),
+        ratio("diversity of 32 samples / of 32 real clips", spread, usual),
         figure("best of 32 samples, cm^2", 1e4 * best),
         ratio("best of 32 samples / of 32 real clips", best, best_other),
     ]

@@ -4,6 +4,7 @@ Paper:    PT B
 Notebook: notebooks/17_motion_distances.ipynb
 """
 
+from collections.abc import Sequence
 from functools import partial
 from typing import NamedTuple
 
@@ -42,24 +43,32 @@ class Seen(NamedTuple):
         motion: standardised features; after a clip's end its last frame is held.
         joints: metres from the pelvis.
         codes: of half windows that lie within their clip, by each network of `FeatureNets`.
+        lengths: frames of each clip that are not held.
     """
 
     motion: Float[Tensor, "n frames features"]
     joints: Float[np.ndarray, "n frames 55 3"]
     codes: dict[str, Float[np.ndarray, "m code"]]
+    lengths: Int[np.ndarray, " n"]
 
     @property
     def nine(self) -> Float[np.ndarray, "n frames 9 3"]:
         """Head, arms and hands."""
         return self.joints[:, :, NINE]
 
+    @property
+    def own(self) -> list[Float[np.ndarray, "_ 55 3"]]:
+        """The joints of each clip, without the frames that are held."""
+        return [clip[:length] for clip, length in zip(self.joints, self.lengths, strict=True)]
+
 
 def look(
     nets: FeatureNets, motion: Float[Tensor, "n frames features"], lengths: Int[np.ndarray, " n"]
 ) -> Seen:
     """See windows from the beginning of clips that have so many frames."""
-    motion = held(motion, lengths)
-    return Seen(motion, joint_places(nets.features, motion), half_codes(nets, motion, lengths))
+    motion, lengths = held(motion, lengths), lengths.clip(max=motion.shape[1])
+    places, codes = joint_places(nets.features, motion), half_codes(nets, motion, lengths)
+    return Seen(motion, places, codes, lengths)
 
 
 @torch.no_grad()
@@ -119,11 +128,11 @@ def border_errors(
     return (apart.mean(-1) * near).sum(1) / near.sum(1)
 
 
-def wrist_agreement(joints: Float[np.ndarray, "n frames 55 3"]) -> Float[np.ndarray, " n"]:
+def wrist_agreement(clips: Sequence[Float[np.ndarray, "_ 55 3"]]) -> Float[np.ndarray, " n"]:
     """Correlation of the speeds of the left and the right wrist in each clip; 0 where one rests."""
-    speeds = np.stack(
-        [derivative_sizes(clip, MOTION_FPS, order=1) for clip in joints[:, :, WRISTS]]
-    )
-    apart = speeds - speeds.mean(axis=1, keepdims=True)
-    spread = apart.std(axis=1).prod(axis=-1)
-    return apart.prod(axis=-1).mean(axis=1) / np.maximum(spread, 1e-9)
+    found = []
+    for clip in clips:
+        speeds = derivative_sizes(clip[:, WRISTS], MOTION_FPS, order=1)
+        apart = speeds - speeds.mean(axis=0)
+        found.append(apart.prod(axis=-1).mean() / max(apart.std(axis=0).prod(), 1e-9))
+    return np.array(found)

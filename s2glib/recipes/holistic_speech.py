@@ -4,7 +4,6 @@ Paper:    PT A.2 (wav2vec2: authors' code)
 Notebook: notebooks/06_masked_prediction.ipynb
 """
 
-import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import NamedTuple
 
@@ -63,5 +62,4 @@ def heard_by(hear: Hear, cells: Sequence[Cell]) -> Iterator[Float[Tensor, "frame
     for cell in tqdm(cells, desc="listening", unit="clip"):
         sound = render_clip(*cell).waveform
         assert sound is not None
-        frames = math.ceil(len(sound.samples) * MOTION_FPS / SAMPLE_RATE)
-        yield hear(sound.samples, frames)
+        yield hear(sound.samples, len(sound.samples) * MOTION_FPS // SAMPLE_RATE)

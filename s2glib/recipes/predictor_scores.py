@@ -19,17 +19,25 @@ from s2glib.papers.probtalk import PQVAE, Predictor
 from s2glib.papers.probtalk.pipeline import Asked, ProbTalk
 from s2glib.recipes.evaluate_beats import beat_rows
 from s2glib.recipes.holistic_data import HolisticClips, spoken_cell
-from s2glib.recipes.holistic_seen import NINE, joints_of
+from s2glib.recipes.holistic_seen import NINE, held, joints_of
 
 _SEED = 11
 
 
 class HeldOut(NamedTuple):
-    """First windows of clips."""
+    """First windows of clips; after a clip's end its last frame is held.
+
+    Attributes:
+        motion: standardised features.
+        speech: of the same frames.
+        speaker: whose it is.
+        lengths: frames that are not held.
+    """
 
     motion: Float[Tensor, "n frames size"]
     speech: Float[Tensor, "n frames channels"]
     speaker: Int[Tensor, " n"]
+    lengths: Int[np.ndarray, " n"]
 
 
 def held_out(clips: HolisticClips, frames: int) -> HeldOut:
@@ -37,7 +45,8 @@ def held_out(clips: HolisticClips, frames: int) -> HeldOut:
     rows = np.arange(len(clips.cells))
     speaker = torch.tensor([SPEAKERS.index(cell.speaker) for cell in clips.cells])
     heard = clips.heard(rows, np.zeros_like(rows), frames)
-    return HeldOut(clips.first(frames), heard, speaker)
+    lengths = clips.motion.lengths.clip(max=frames)
+    return HeldOut(clips.first(frames), heard, speaker, lengths)
 
 
 def predictor_scores(pqvae: PQVAE, predictor: Predictor, clips: HolisticClips) -> dict[str, float]:
@@ -62,22 +71,27 @@ def token_scores(
     """Cross-entropy of all tokens at once, with their speech and with that of another clip.
 
     The second says what the speech is worth: without it a Predictor knows only how often codes are.
+    Tokens after a clip's end do not count.
     """
     codes = in_batches(pqvae.encode, windows.motion)
+    begins = torch.arange(codes.shape[1]) * pqvae.config.window
+    real = begins < torch.from_numpy(windows.lengths)[:, None]
 
     def log_odds(asked: Asked) -> Tensor:
         mask = asked.known[..., : predictor.config.context_parts]
         memory = predictor.listen(asked.speech, asked.given, mask)
         return predictor.predict(memory, asked.speaker, predictor.hidden(memory))
 
-    other = asked._replace(speech=asked.speech.roll(1, dims=0))
-    own, others = (in_batches(log_odds, each) for each in (asked, other))
+    ring = np.random.default_rng(_SEED).permutation(len(codes))
+    partners = np.empty_like(ring)
+    partners[ring] = np.roll(ring, 1)
+    other = asked._replace(speech=asked.speech[torch.from_numpy(partners)])
+    own, others = (in_batches(log_odds, each)[real].flatten(0, 1) for each in (asked, other))
+    wanted = codes[real].flatten()
     return {
-        "cross-entropy": float(F.cross_entropy(own.flatten(0, 2), codes.flatten())),
-        "cross-entropy, another's speech": float(
-            F.cross_entropy(others.flatten(0, 2), codes.flatten())
-        ),
-        "token accuracy": float((own.argmax(-1) == codes).float().mean()),
+        "cross-entropy": float(F.cross_entropy(own, wanted)),
+        "cross-entropy, another's speech": float(F.cross_entropy(others, wanted)),
+        "token accuracy": float((own.argmax(-1) == wanted).float().mean()),
     }
 
 
@@ -96,7 +110,8 @@ def beat_margins(
     real = places(windows.motion)
     found: dict[str, float] = {}
     for kind, motion in (("sampled", made), ("decoded", through)):
-        rows = beat_rows(real, places(motion), stresses, "stress")
+        moved = places(held(motion, windows.lengths))
+        rows = beat_rows(real, moved, stresses, "stress", windows.lengths)
         margins = (row for row in rows if row.name.startswith("beat margin / real"))
         found |= {f"{row.name}, {kind}": row.value for row in margins}
     return found

@@ -31,8 +31,6 @@ from s2glib.recipes.motion_data import motion_cells
 from s2glib.recipes.predictor_scores import predictor_scores
 from s2glib.recipes.stage import Stage
 
-LOUDER = 0.3  # spread of a clip's loudness, in standardised log-mels (ours)
-
 
 @dataclass(frozen=True)
 class Lesson:
@@ -44,12 +42,14 @@ class Lesson:
             any share, as MaskGIT and as decoding has it.
         parts: contexts of any length and of single parts of the body (ours).
         region: tokens that count in the loss: "all" (authors' code) or the "hidden" ones.
+        louder: spread of a clip's loudness, in standardised log-mels (ours).
     """
 
     course: Course
     hidden: Literal["curriculum", "random"] = "curriculum"
     parts: bool = False
     region: Literal["all", "hidden"] = "all"
+    louder: float = 0.0
 
 
 PAPER_COURSE = Course(  # a constant rate, 100 epochs: authors' code; so many steps: ours
@@ -67,6 +67,7 @@ LESSONS = {
         Course(steps=4000, batch=32, learning_rate=1e-3, betas=(0.9, 0.99), weight_decay=0.01),
         hidden="random",
         parts=True,
+        louder=0.3,
     ),
 }
 
@@ -125,7 +126,7 @@ class PredictorData:
             shares = torch.full((count,), masked_share(chance.progress))
         else:
             shares = random_shares(count, generator)
-        louder = LOUDER * torch.randn(count, 1, 1, generator=generator)
+        louder = lesson.louder * torch.randn(count, 1, 1, generator=generator)
         codes = hide_tokens(step.target, shares, mask=mask, generator=generator)
         return step._replace(codes=codes, speech=step.speech + louder)
 
@@ -163,4 +164,5 @@ def train(stage: Stage) -> None:
     kept, record = stage.train(stage.name, objective, lesson.course, draw)
     predictor = kept.model.eval()
     held_out = holistic_clips(split("validation"), pqvae.features, hear=heard.tracks)
+    record |= {"codes": pqvae.fingerprint()}
     stage.publish(stage.name, predictor, record, predictor_scores(pqvae, predictor, held_out))

@@ -117,11 +117,13 @@ class RefinerScores(NamedTuple):
     """Clip by clip, what is wrong with motion that was decoded from its codes.
 
     Attributes:
-        error: mean absolute error of the features where they are unknown.
+        error: mean absolute error of the features where they are unknown, before the clip's end.
+        wrist: cm between true and made wrists in the chest's frame, in the same frames.
         border: see `border_errors`; head, arms and hands.
     """
 
     error: Float[np.ndarray, " n"]
+    wrist: Float[np.ndarray, " n"]
     border: Float[np.ndarray, " n"]
 
 
@@ -141,18 +143,24 @@ def refiner_scores(data: PredictorData, refiner: Refiner) -> dict[str, RefinerSc
         known,
     )
     inside = refiner.known(step.context_mask)
+    own = torch.arange(data.frames) < torch.from_numpy(data.clips.motion.lengths)[:, None]
+    counted = ~inside & own[..., None]
+    frames = own & ~known.any(-1)
     results = {
         "pasted": fill(step.motion, step.made, inside),
         "eased": eased(step.motion, step.made, inside),
         "refined": in_batches(refiner.eval().refine, *step),
     }
     real = joint_places(refiner.features, step.motion)[:, :, NINE]
+    true_wrists = refiner.features.wrists(step.motion)
     scores = {}
     for name, motion in results.items():
-        off = (motion - step.motion).abs().sum((1, 2)) / (~inside).sum((1, 2))
+        off = ((motion - step.motion).abs() * counted).sum((1, 2)) / counted.sum((1, 2))
+        apart = 100 * (refiner.features.wrists(motion) - true_wrists).norm(dim=-1).mean(-1)
+        wrist = (apart * frames).sum(1) / frames.sum(1)
         places = joint_places(refiner.features, motion)[:, :, NINE]
-        frames_known = known.any(-1).numpy()
-        scores[name] = RefinerScores(off.numpy(), border_errors(real, places, frames_known))
+        border = border_errors(real, places, known.any(-1).numpy())
+        scores[name] = RefinerScores(off.numpy(), wrist.numpy(), border)
     return scores
 
 
@@ -180,4 +188,4 @@ def train(stage: Stage) -> None:
             RefinerScores._fields, scores["refined"], scores[before], strict=True
         )
     }
-    stage.publish(stage.name, refiner, record, figures)
+    stage.publish(stage.name, refiner, record | {"codes": pqvae.fingerprint()}, figures)

@@ -85,7 +85,8 @@ class Stage:
     ) -> Path:
         """Write the checkpoint (half precision) and the run's record.
 
-        The figures come from the functions that `evaluate` uses.
+        The figures come from the functions that `evaluate` uses. What goes with one PQ-VAE has the
+        `codes` of its `fingerprint` in the record.
         """
         path = self.folder / "checkpoints" / f"{part}.safetensors"
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -112,7 +113,8 @@ class Stage:
 
     def _known(self, record: dict[str, Any]) -> dict[str, Any]:
         known = {"recipe": self.name, "seed": self.seed, "steps": record["course"]["steps"]}
-        return known | ({"data": self.data.resolve().name} if self.data else {})
+        known |= {"data": self.data.resolve().name} if self.data else {}
+        return known | ({"codes": record["codes"]} if "codes" in record else {})
 
 
 def _means(rows: list[dict[str, float]]) -> dict[str, float]:

@@ -99,6 +99,8 @@ def test_recorded_runs_are_compared_seed_by_seed(tmp_path):
         path = tmp_path / f"probtalk-codes-teaching-{seed}.json"
         path.write_text(json.dumps({"figures": figures}))
     rows = {row.name: row for row in scores.study_rows(tmp_path)}
+    worst = rows["short runs: wrist error, cm, PQ / VQ, equal memory, worst seed"]
+    assert worst.value == 1.0
     row = rows["short runs: wrist error, cm, PQ / VQ, equal memory"]
     assert row.value == pytest.approx((0.5 + 0.75 + 1) / 3)
     assert row.interval == (0.5, 1.0)
@@ -106,6 +108,9 @@ def test_recorded_runs_are_compared_seed_by_seed(tmp_path):
     assert rows["short runs: VQ 128: wrist error, cm"].value == pytest.approx(7 / 3)
 
 
-def test_without_records_there_is_no_study(tmp_path):
-    with pytest.raises(FileNotFoundError, match="no record of probtalk-codes"):
+@pytest.mark.parametrize("seeds", [0, 2])
+def test_with_fewer_than_three_seeds_there_is_no_study(tmp_path, seeds):
+    for seed in range(seeds):
+        (tmp_path / f"probtalk-codes-teaching-{seed}.json").write_text('{"figures": {}}')
+    with pytest.raises(FileNotFoundError, match=f"3 seeds of probtalk-codes .* found {seeds}"):
         scores.study_rows(tmp_path)

@@ -108,4 +108,4 @@ def test_wrists_that_move_together_agree_and_those_in_turn_disagree():
     joints[1, :, WRISTS[0], 0] = np.cumsum(speed)
     joints[1, :, WRISTS[1], 1] = np.cumsum(0.04 - speed)
     joints[2, :, WRISTS[0], 0] = np.cumsum(speed)
-    assert wrist_agreement(joints) == pytest.approx([1, -1, 0], abs=1e-6)
+    assert wrist_agreement([*joints]) == pytest.approx([1, -1, 0], abs=1e-6)

@@ -140,10 +140,12 @@ def test_token_scores_are_the_cross_entropy_with_all_hidden(data, pqvae):
     )
     with torch.no_grad():
         odds = model(torch.full_like(step.target, 128), *step[2:]).log_softmax(-1)
-    expected = -odds.gather(-1, step.target[..., None]).mean()
+    real = torch.arange(22) * 8 < torch.from_numpy(windows.lengths)[:, None]
+    odds, target = odds[real], step.target[real]
+    expected = -odds.gather(-1, target[..., None]).mean()
     assert scores["cross-entropy"] == pytest.approx(float(expected), abs=1e-4)
     assert scores["token accuracy"] == pytest.approx(
-        float((odds.argmax(-1) == step.target).float().mean())
+        float((odds.argmax(-1) == target).float().mean())
     )
     assert scores["cross-entropy"] != scores["cross-entropy, another's speech"]
 

@@ -14,7 +14,7 @@ from torch import Tensor
 
 from s2glib.audio import Waveform, resample
 from s2glib.body import Motion
-from s2glib.checkpoint import load_checkpoint
+from s2glib.checkpoint import load_checkpoint, read_metadata
 from s2glib.papers.probtalk.keeping import eased, embody, kept_parts, to_length
 from s2glib.papers.probtalk.motion_features import PARTS
 from s2glib.papers.probtalk.pqvae import PQVAE
@@ -72,11 +72,17 @@ class ProbTalk:
             FileNotFoundError: if one is missing.
             ValueError: if one is not what it should be, or they do not belong together.
         """
+        pqvae = load_checkpoint(folder / "probtalk-pqvae.safetensors", PQVAE)
+        paths = [folder / f"probtalk-{name}.safetensors" for name in ("predictor", "refiner")]
+        for path in paths:
+            if read_metadata(path).get("codes") not in (None, pqvae.fingerprint()):
+                raise ValueError(
+                    f"{path} was trained for the codes of another PQ-VAE; take all of them from "
+                    "one training"
+                )
+        predictor, refiner = paths
         return cls(
-            load_checkpoint(folder / "probtalk-pqvae.safetensors", PQVAE),
-            load_checkpoint(folder / "probtalk-predictor.safetensors", Predictor),
-            load_checkpoint(folder / "probtalk-refiner.safetensors", Refiner),
-            hear,
+            pqvae, load_checkpoint(predictor, Predictor), load_checkpoint(refiner, Refiner), hear
         )
 
     def _check_sizes(self) -> None:

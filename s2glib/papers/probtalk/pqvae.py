@@ -4,6 +4,7 @@ Paper:    PT A.1
 Notebook: notebooks/05_product_codes.ipynb
 """
 
+import hashlib
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -172,6 +173,11 @@ class PQVAE(nn.Module):
             ValueError: if the frames are no multiple of `config.window`.
         """
         return self.quantizer.encode(self.latents(motion))
+
+    def fingerprint(self) -> str:
+        """Tells its codebooks from others: what is said of codes holds for one training only."""
+        kept = self.quantizer.codebooks.detach().cpu().half()
+        return hashlib.sha256(kept.numpy().tobytes()).hexdigest()[:16]
 
     def decode(
         self, codes: Int[Tensor, "batch tokens groups"]

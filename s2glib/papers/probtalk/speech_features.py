@@ -22,9 +22,10 @@ MELS = 64
 LOG_MEL_MEAN, LOG_MEL_STD = -6.3, 3.4  # of the corpus
 _POOL = 2  # 10 ms frames averaged into one
 _HEARD_RATE = 100 / _POOL  # frames a second of the log-mels
+_SHORTEST = math.ceil(SAMPLE_RATE / MOTION_FPS)  # samples of a motion frame
 
 Hear = Callable[[Float[np.ndarray, " n"], int], Float[Tensor, "frames channels"]]
-"""From samples at 16 kHz to that many frames of speech; after the sound's end, silence."""
+"""From samples at 16 kHz to that many frames of speech, also after the sound's end."""
 
 
 def log_mels(samples: Float[np.ndarray, " n"], frames: int) -> Float[Tensor, "frames 64"]:
@@ -57,6 +58,8 @@ def at_motion_rate(window: Float[Tensor, "*b heard mels"]) -> Float[Tensor, "*b 
 def wav2vec2(folder: str | os.PathLike) -> Hear:
     """The authors' speech features: wav2vec2's last hidden layer, 768 numbers a frame.
 
+    After the sound's end the last frame is held: to pad the sound would change all of them.
+
     Args:
         folder: a local copy of wav2vec2-base-960h in Hugging Face's layout.
 
@@ -67,9 +70,8 @@ def wav2vec2(folder: str | os.PathLike) -> Hear:
     model = load_speech_model(folder)
 
     def hear(samples: Float[np.ndarray, " n"], frames: int) -> Float[Tensor, "frames channels"]:
-        wanted = math.ceil(frames * SAMPLE_RATE / MOTION_FPS)
-        silence = max(0, wanted - len(samples))
-        padded = np.pad(samples, (0, silence))[:wanted]
-        return torch.from_numpy(wav2vec2_features(model, padded, fps=MOTION_FPS))
+        sound = np.pad(samples, (0, max(0, _SHORTEST - len(samples))))
+        heard = torch.from_numpy(wav2vec2_features(model, sound, fps=MOTION_FPS))
+        return heard[torch.arange(frames).clamp_max(len(heard) - 1)]
 
     return hear

@@ -234,3 +234,21 @@ def test_a_folder_of_checkpoints_makes_the_same_motion(networks, tmp_path):
 def test_a_missing_checkpoint_is_named(tmp_path):
     with pytest.raises(FileNotFoundError, match="probtalk-pqvae"):
         ProbTalk.load(tmp_path)
+
+
+@pytest.mark.parametrize("wrong", ["predictor", "refiner"])
+def test_networks_for_the_codes_of_another_pqvae_are_refused(networks, tmp_path, wrong):
+    pqvae, other = networks[0], PQVAE(networks[0].config)
+    assert other.fingerprint() != pqvae.fingerprint()
+
+    def keep(made_for):
+        for name, model in zip(("pqvae", "predictor", "refiner"), networks, strict=True):
+            notes = {"codes": made_for.get(name, pqvae).fingerprint()}
+            path = tmp_path / f"probtalk-{name}.safetensors"
+            save_checkpoint(path, model, model.config, metadata=notes, half=True)
+
+    keep({wrong: other})
+    with pytest.raises(ValueError, match=f"probtalk-{wrong}.* codes of another PQ-VAE"):
+        ProbTalk.load(tmp_path)
+    keep({})
+    assert ProbTalk.load(tmp_path).pqvae.fingerprint() == pqvae.fingerprint()
