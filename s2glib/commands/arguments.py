@@ -4,7 +4,7 @@ Paper:    -
 Notebook: -
 """
 
-from argparse import ArgumentParser
+from argparse import ArgumentParser, ArgumentTypeError
 from pathlib import Path
 
 from s2glib.folders import data_folder
@@ -44,20 +44,37 @@ def natural(text: str) -> int:
 
 
 def frame_spans(text: str) -> list[slice]:
-    """Frames, a:b, or several with commas; without a from the first, without b to the last."""
-    found = []
-    for piece in text.split(","):
-        start, stop = (int(end) if end.strip() else None for end in piece.split(":"))
-        if (start or 0) < 0 or (stop is not None and stop <= (start or 0)):
-            raise ValueError
-        found.append(slice(start, stop))
-    return found
+    """Frames, a:b, or several with commas; without a from the first, without b to the last.
+
+    Raises:
+        ArgumentTypeError: if these are no frames, or none at all.
+    """
+    try:
+        return [_span(piece) for piece in text.split(",")]
+    except ValueError:
+        raise ArgumentTypeError(
+            f"expected frames as a:b with a below b, or several with commas, such as 0:60 or "
+            f":30,90:; got {text!r}"
+        ) from None
+
+
+def _span(piece: str) -> slice:
+    start, stop = (int(end) if end.strip() else None for end in piece.split(":"))
+    if (start or 0) < 0 or (stop is not None and stop <= (start or 0)):
+        raise ValueError
+    return slice(start, stop)
 
 
 def part_names(text: str) -> list[str]:
-    """Parts of the body, one or several with commas."""
+    """Parts of the body, one or several with commas.
+
+    Raises:
+        ArgumentTypeError: if there is no such part.
+    """
     names = [name.strip() for name in text.split(",")]
     if not NAMED.keys() >= set(names):
-        raise ValueError
+        raise ArgumentTypeError(
+            f"expected one or several of {', '.join(NAMED)}, with commas; got {text!r}"
+        )
     wanted = {part for name in names for part in NAMED[name]}
     return [part for part in PARTS if part in wanted]

@@ -19,7 +19,8 @@ from s2glib.commands.delivery import delivery, writing
 from s2glib.commands.diary import Diary
 from s2glib.commands.studio import FILES, write_motions, write_report
 from s2glib.papers.probtalk import PARTS, ProbTalk
-from s2glib.papers.probtalk.editing import context, motion_frames
+from s2glib.papers.probtalk.editing import context
+from s2glib.papers.probtalk.speech_features import motion_frames
 
 
 class Order(NamedTuple):

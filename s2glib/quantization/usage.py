@@ -1,6 +1,6 @@
 """Are the codes used? Perplexity, and the codes that nothing chooses.
 
-Paper:    PT A.1 (codebook usage)
+Paper:    - (ours)
 Notebook: notebooks/05_product_codes.ipynb
 """
 

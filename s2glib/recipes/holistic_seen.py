@@ -121,11 +121,20 @@ def border_errors(
 
     Length of the difference of accelerations, mean over joints and over the frames that lie within
     `BORDER` frames of a border on either side.
+
+    Raises:
+        ValueError: if a clip has no border.
     """
     apart = np.stack([derivative_sizes(clip, MOTION_FPS, order=2) for clip in made - real])
     borders = np.pad(known[:, 1:] != known[:, :-1], ((0, 0), (BORDER - 1, BORDER - 1)))
     near = sliding_window_view(borders, 2 * BORDER, axis=1).any(-1)  # at frames 1, 2, ...
-    return (apart.mean(-1) * near).sum(1) / near.sum(1)
+    count = near.sum(1)
+    if not count.all():
+        raise ValueError(
+            "expected a border between frames that are given and made in every clip; clip "
+            f"{count.argmin()} has none: leave it out, or give some of its frames"
+        )
+    return (apart.mean(-1) * near).sum(1) / count
 
 
 def wrist_agreement(clips: Sequence[Float[np.ndarray, "_ 55 3"]]) -> Float[np.ndarray, " n"]:

@@ -10,14 +10,12 @@ import torch
 from jaxtyping import Float
 from torch import Tensor, nn
 
-from s2glib.checkpoint import load_checkpoint
 from s2glib.corpus.script import split
-from s2glib.papers.probtalk import PQVAE
 from s2glib.papers.probtalk.config import FEATURE_PRESETS
 from s2glib.papers.probtalk.feature_autoencoder import SEEN, FeatureNets
 from s2glib.recipes.fit import Course
 from s2glib.recipes.holistic_data import HolisticClips, holistic_clips
-from s2glib.recipes.probtalk_pqvae import draw
+from s2glib.recipes.probtalk_pqvae import draw, trained_pqvae
 from s2glib.recipes.stage import Stage
 
 COURSES = {
@@ -63,9 +61,9 @@ def unexplained(nets: FeatureNets, clips: HolisticClips) -> dict[str, float]:
 
 def train(stage: Stage) -> None:
     """The stage `probtalk-features`; the PQ-VAE, whose statistics they share, must be there."""
-    pqvae = load_checkpoint(stage.folder / "checkpoints" / "probtalk-pqvae.safetensors", PQVAE)
     torch.manual_seed(stage.seed)
     nets = FeatureNets(FEATURE_PRESETS[stage.preset])
+    pqvae = trained_pqvae(stage, nets.features.size)
     nets.features.load_state_dict(pqvae.features.state_dict())
     clips, held_out = (holistic_clips(split(s), nets.features) for s in ("train", "validation"))
     course = stage.course(COURSES[stage.preset])

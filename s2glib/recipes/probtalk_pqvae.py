@@ -12,6 +12,7 @@ import torch
 from jaxtyping import Float
 from torch import Tensor, nn
 
+from s2glib.checkpoint import load_checkpoint
 from s2glib.corpus.script import split
 from s2glib.papers.probtalk import (
     PQVAE,
@@ -90,6 +91,27 @@ def new_pqvae(
         clips.moving(rows, clips.any_offset(rows, config.frames, rng), config.frames)
     )
     return model
+
+
+def trained_pqvae(stage: Stage, size: int) -> PQVAE:
+    """The PQ-VAE in a stage's folder, frozen.
+
+    Args:
+        stage: that builds on it.
+        size: numbers a frame that the stage's networks see.
+
+    Raises:
+        FileNotFoundError: if there is none.
+        ValueError: if it sees others; it is of another preset then.
+    """
+    path = stage.folder / "checkpoints" / "probtalk-pqvae.safetensors"
+    pqvae = load_checkpoint(path, PQVAE).requires_grad_(False)
+    if pqvae.config.size != size:
+        raise ValueError(
+            f"{stage.name} in the {stage.preset} preset sees {size} numbers a frame, {path} "
+            f"{pqvae.config.size}; train probtalk-pqvae with --preset {stage.preset} first"
+        )
+    return pqvae
 
 
 def train(stage: Stage) -> None:

@@ -14,7 +14,6 @@ from jaxtyping import Bool, Float, Int
 from torch import Tensor, nn
 from torch.nn import functional as F
 
-from s2glib.checkpoint import load_checkpoint
 from s2glib.corpus.script import SPEAKERS, TRAIN_SPEAKERS, split
 from s2glib.papers.probtalk import PQVAE, PREDICTOR_PRESETS, Predictor
 from s2glib.papers.probtalk.masking import (
@@ -29,6 +28,7 @@ from s2glib.recipes.holistic_data import HolisticClips, holistic_clips
 from s2glib.recipes.holistic_speech import hearing
 from s2glib.recipes.motion_data import motion_cells
 from s2glib.recipes.predictor_scores import predictor_scores
+from s2glib.recipes.probtalk_pqvae import trained_pqvae
 from s2glib.recipes.stage import Stage
 
 
@@ -150,9 +150,8 @@ class PredictorData:
 
 def train(stage: Stage) -> None:
     """The stage `probtalk-predictor`; the PQ-VAE must be there."""
-    path = stage.folder / "checkpoints" / "probtalk-pqvae.safetensors"
-    pqvae = load_checkpoint(path, PQVAE).requires_grad_(False)
     config, lesson = PREDICTOR_PRESETS[stage.preset], LESSONS[stage.preset]
+    pqvae = trained_pqvae(stage, config.motion)
     lesson, heard = replace(lesson, course=stage.course(lesson.course)), hearing(stage.preset)
     config = replace(config, speech=heard.channels, speakers=len(TRAIN_SPEAKERS))
     clips = holistic_clips(motion_cells(), pqvae.features, hear=heard.tracks)

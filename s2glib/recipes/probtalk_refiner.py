@@ -13,10 +13,9 @@ import torch
 from jaxtyping import Bool, Float, Int
 from torch import Tensor, nn
 
-from s2glib.checkpoint import load_checkpoint
 from s2glib.corpus.script import TRAIN_SPEAKERS, split
 from s2glib.layers import in_batches
-from s2glib.papers.probtalk import PQVAE
+from s2glib.papers.probtalk import HolisticFeatures
 from s2glib.papers.probtalk.config import REFINER_PRESETS
 from s2glib.papers.probtalk.keeping import eased
 from s2glib.papers.probtalk.masking import part_contexts, window_contexts
@@ -26,6 +25,7 @@ from s2glib.recipes.holistic_data import holistic_clips
 from s2glib.recipes.holistic_seen import NINE, border_errors, joint_places
 from s2glib.recipes.holistic_speech import hearing
 from s2glib.recipes.motion_data import motion_cells
+from s2glib.recipes.probtalk_pqvae import trained_pqvae
 from s2glib.recipes.probtalk_predictor import PAPER_COURSE, PredictorData
 from s2glib.recipes.stage import Stage
 
@@ -166,9 +166,8 @@ def refiner_scores(data: PredictorData, refiner: Refiner) -> dict[str, RefinerSc
 
 def train(stage: Stage) -> None:
     """The stage `probtalk-refiner`; the PQ-VAE must be there."""
-    path = stage.folder / "checkpoints" / "probtalk-pqvae.safetensors"
-    pqvae = load_checkpoint(path, PQVAE).requires_grad_(False).eval()
     config, lesson = REFINER_PRESETS[stage.preset], LESSONS[stage.preset]
+    pqvae = trained_pqvae(stage, HolisticFeatures(config.expression).size)
     lesson, heard = replace(lesson, course=stage.course(lesson.course)), hearing(stage.preset)
     config = replace(config, speech=heard.channels, speakers=len(TRAIN_SPEAKERS))
     torch.manual_seed(stage.seed)

@@ -14,12 +14,13 @@ from pathlib import Path
 import numpy as np
 import torch
 
-from s2glib.checkpoint import load_checkpoint
 from s2glib.corpus.script import TRAIN_SPEAKERS, Cell, split
 from s2glib.papers.probtalk import PQVAE, PREDICTOR_PRESETS, Predictor
+from s2glib.papers.probtalk.speech_features import MELS
 from s2glib.recipes.holistic_data import holistic_clips
 from s2glib.recipes.holistic_speech import log_mel_tracks
 from s2glib.recipes.predictor_scores import held_out, nothing_given, token_scores
+from s2glib.recipes.probtalk_pqvae import trained_pqvae
 from s2glib.recipes.probtalk_predictor import LESSONS, PredictorData, PredictorObjective
 from s2glib.recipes.records import recorded_figures
 from s2glib.recipes.report import Row, over_draws
@@ -33,10 +34,12 @@ NAMES = ("one voice", "all voices")
 
 
 def train(stage: Stage) -> None:
-    """The stage `probtalk-speakers`: a voice for each seed. It leaves a record only."""
-    path = stage.folder / "checkpoints" / "probtalk-pqvae.safetensors"
-    pqvae = load_checkpoint(path, PQVAE).requires_grad_(False).eval()
-    voice, steps = TRAIN_SPEAKERS[stage.seed], stage.steps or STEPS
+    """The stage `probtalk-speakers`: a voice for each seed. It leaves a record only.
+
+    After the last voice, seeds begin again with the first.
+    """
+    pqvae = trained_pqvae(stage, PREDICTOR_PRESETS[stage.preset].motion)
+    voice, steps = TRAIN_SPEAKERS[stage.seed % len(TRAIN_SPEAKERS)], stage.steps or STEPS
     own = {name: [c for c in split(name) if c.speaker == voice] for name in ("train", "test")}
     figures: dict[str, float] = {}
     for name, cells in zip(NAMES, (own["train"], split("train")), strict=True):
@@ -48,6 +51,7 @@ def train(stage: Stage) -> None:
 def short_run(stage: Stage, name: str, pqvae: PQVAE, cells: list[Cell]) -> Predictor:
     """A Predictor that saw some of the clips."""
     config, lesson = PREDICTOR_PRESETS[stage.preset], LESSONS[stage.preset]
+    config = replace(config, speech=MELS, speakers=len(TRAIN_SPEAKERS))
     lesson = replace(lesson, course=stage.course(lesson.course))
     clips = holistic_clips(cells, pqvae.features, hear=log_mel_tracks)
     data = PredictorData(clips, pqvae, config.context_parts)

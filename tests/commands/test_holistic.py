@@ -118,11 +118,22 @@ def test_refusals(record, kept, here, capsys, words, reason):
     assert not (here / "out").exists()
 
 
-@pytest.mark.parametrize("words", [("--frames", "a:b"), ("--frames", "9:5"), ("--parts", "legs")])
-def test_what_cannot_be_read_is_refused_by_name(record, capsys, words):
+@pytest.mark.parametrize("text", ["a:b", "9:5", "5:5", "-3:5", "30", "1:2:3", ":5,", ""])
+def test_frames_that_cannot_be_read_are_refused_with_an_example(record, capsys, text):
     with pytest.raises(SystemExit):
-        main(["generate", record(), "--system", "probtalk", "--out", "out", *words])
-    assert words[0] in capsys.readouterr().err
+        main(["generate", record(), "--system", "probtalk", "--out", "out", f"--frames={text}"])
+    said = capsys.readouterr().err.splitlines()[-1]
+    assert "argument --frames: expected frames as a:b with a below b" in said
+    assert f"such as 0:60 or :30,90:; got {text!r}" in said
+
+
+@pytest.mark.parametrize("text", ["legs", "face,", "face body", ""])
+def test_parts_that_do_not_exist_are_refused_with_those_that_do(record, capsys, text):
+    with pytest.raises(SystemExit):
+        main(["generate", record(), "--system", "probtalk", "--out", "out", f"--parts={text}"])
+    said = capsys.readouterr().err.splitlines()[-1]
+    assert "argument --parts: expected one or several of face, body, left_hand" in said
+    assert f"hands, all, with commas; got {text!r}" in said
 
 
 def test_keeping_is_for_probtalk_only(record, kept, capsys):

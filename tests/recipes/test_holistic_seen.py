@@ -101,6 +101,14 @@ def test_a_border_near_an_end_has_fewer_frames_but_no_others(rng, at):
     assert border_errors(real, made, known) == pytest.approx(0)
 
 
+@pytest.mark.parametrize("at", [0, 40])
+def test_without_a_border_there_is_no_error(rng, at):
+    real, made, known = with_jump(rng, 20, 0.01)
+    both = np.concatenate([known, np.arange(40)[None] < at])
+    with pytest.raises(ValueError, match="clip 1 has none"):
+        border_errors(real.repeat(2, axis=0), made.repeat(2, axis=0), both)
+
+
 def test_wrists_that_move_together_agree_and_those_in_turn_disagree():
     speed = 0.02 * (1 + np.sin(np.arange(60) / 4))
     joints = np.zeros((3, 60, 55, 3))

@@ -10,6 +10,7 @@ import torch
 
 from s2glib.checkpoint import load_checkpoint, save_checkpoint
 from s2glib.corpus import EMOTIONS, SPEAKERS, Cell
+from s2glib.corpus.script import TRAIN_SPEAKERS
 from s2glib.papers.probtalk import (
     FEATURE_PRESETS,
     PAPER_FEATURES,
@@ -24,7 +25,15 @@ from s2glib.papers.probtalk import (
     FeatureNets,
     Refiner,
 )
-from s2glib.recipes import Chance, Course, Stage, Training, probtalk_features, probtalk_speakers
+from s2glib.recipes import (
+    Chance,
+    Course,
+    Stage,
+    Training,
+    probtalk_features,
+    probtalk_predictor,
+    probtalk_speakers,
+)
 from s2glib.recipes import probtalk_refiner as recipe
 from s2glib.recipes.holistic_data import HolisticClips, Tracks
 from s2glib.recipes.probtalk_predictor import LESSONS, PredictorData
@@ -91,6 +100,12 @@ def record(folder, part, preset="teaching"):
     return json.loads((folder / "runs" / f"{part}-{preset}-0.json").read_text())
 
 
+STAGES = {
+    "predictor": probtalk_predictor.train,
+    "refiner": recipe.train,
+    "features": probtalk_features.train,
+    "speakers": probtalk_speakers.train,
+}
 LESSON = replace(recipe.LESSONS["teaching"], course=COURSE)
 
 
@@ -215,6 +230,31 @@ def test_one_voice_and_all_voices_leave_a_record_that_rows_are_read_from(tmp_pat
     assert gap.value == figures["one voice: test"] - figures["one voice: train"]
     assert all(row.recorded for row in rows.values())
     assert "(recorded)" in table(list(rows.values()))
+
+
+@pytest.mark.usefixtures("_corpus")
+def test_the_study_goes_round_the_voices_and_fits_the_papers_preset_to_the_corpus(
+    tmp_path, monkeypatch
+):
+    monkeypatch.setitem(PREDICTOR_PRESETS, "paper", replace(PREDICTOR, speech=768, speakers=4))
+    monkeypatch.setitem(LESSONS, "paper", replace(LESSONS["paper"], course=COURSE))
+    seed = len(TRAIN_SPEAKERS)
+    probtalk_speakers.train(Stage("probtalk-speakers", tmp_path, "paper", seed=seed, steps=2))
+    path = tmp_path / "runs" / f"probtalk-speakers-paper-{seed}.json"
+    run = json.loads(path.read_text())
+    assert run["voice"] == TRAIN_SPEAKERS[0]
+    assert np.isfinite(list(run["figures"].values())).all()
+
+
+@pytest.mark.usefixtures("_corpus")
+@pytest.mark.parametrize("part", ["predictor", "refiner", "features", "speakers"])
+def test_a_pqvae_of_another_preset_is_refused(tmp_path, part):
+    config = replace(PQ, expression=100)
+    path = tmp_path / "checkpoints" / "probtalk-pqvae.safetensors"
+    save_checkpoint(path, PQVAE(config), config)
+    stage = Stage(f"probtalk-{part}", tmp_path)
+    with pytest.raises(ValueError, match=rf"{stage.name} .* 288 numbers a frame, .* 376; train"):
+        STAGES[part](stage)
 
 
 def test_without_a_record_the_study_says_what_to_do(tmp_path):

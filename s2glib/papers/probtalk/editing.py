@@ -15,14 +15,10 @@ from torch import Tensor
 
 from s2glib.audio import Waveform
 from s2glib.body import Motion
+from s2glib.papers.probtalk.keeping import check_known
 from s2glib.papers.probtalk.motion_features import PARTS
 from s2glib.papers.probtalk.pipeline import ProbTalk
-from s2glib.papers.probtalk.speech_features import MOTION_FPS
-
-
-def motion_frames(waveform: Waveform) -> int:
-    """How many frames of motion go with a recording."""
-    return max(1, round(MOTION_FPS * waveform.duration))
+from s2glib.papers.probtalk.speech_features import motion_frames
 
 
 def context(
@@ -84,8 +80,10 @@ def fill_in(
     """In-between: frames `start` to `end` are made anew, in some parts or in all; the rest stays.
 
     Raises:
+        TypeError: if there is no speech, or no motion.
         ValueError: if the stretch leaves the speech, or `known` ends before the speech does.
     """
+    check_known(known)
     made = context(motion_frames(waveform), spans=[(start, end)], parts=parts)
     return probtalk.generate(
         waveform,
@@ -106,7 +104,13 @@ def carry_on(
     steps: int = 8,
     generator: torch.Generator,
 ) -> Motion:
-    """Continue: the beginning stays, and goes on for as long as the speech does."""
+    """Continue: the beginning stays, and goes on for as long as the speech does.
+
+    Raises:
+        TypeError: if there is no speech, or no motion.
+        ValueError: if there is no such speaker, or the beginning has another frame rate.
+    """
+    check_known(beginning)
     return probtalk.generate(
         waveform, known=beginning, speaker=speaker, steps=steps, generator=generator
     )
@@ -128,8 +132,10 @@ def keep_parts(
     instance, the face to the words.
 
     Raises:
+        TypeError: if there is no speech, or no motion.
         ValueError: if there is no such part.
     """
+    check_known(known)
     frames = motion_frames(waveform)
     kept = context(frames, spans=[(0, min(frames, known.frames))], parts=parts)
     return probtalk.generate(
@@ -147,7 +153,12 @@ def restyle(
     steps: int = 8,
     generator: torch.Generator,
 ) -> Motion:
-    """Re-style: what is not kept is made anew in the manner of another speaker."""
+    """Re-style: what is not kept is made anew in the manner of another speaker.
+
+    Raises:
+        TypeError: if there is no speech, or no motion.
+        ValueError: if there is no such part or speaker.
+    """
     return keep_parts(
         probtalk, waveform, known, keep, speaker=speaker, steps=steps, generator=generator
     )

@@ -24,7 +24,7 @@ SEEN = {
     "body and hands": ("body", "hands"),
     "all": ("jaw", "body", "hands", "expression"),
 }
-"""What each of the three networks sees: names of `HolisticFeatures.PARTS`."""
+"""What each of the three networks sees: names in `HolisticFeatures.parts`."""
 
 
 class FeatureLosses(NamedTuple):

@@ -22,6 +22,16 @@ _DRAWN = {number for joints in JOINTS_OF.values() for number in joints}
 _LEGS = [number for number in range(joint("jaw")) if number not in _DRAWN]  # and the pelvis
 
 
+def check_known(known: Motion) -> None:
+    """Refuse what is no motion.
+
+    Raises:
+        TypeError: if it is no Motion.
+    """
+    if not isinstance(known, Motion):
+        raise TypeError(f"known must be a Motion, got {type(known).__name__}")
+
+
 def kept_parts(
     known: Motion | None, context_mask: Bool[Tensor, "frames 4"] | None, frames: int
 ) -> Bool[Tensor, "frames 4"]:
@@ -35,8 +45,7 @@ def kept_parts(
         if context_mask is not None:
             raise ValueError("a context_mask says what to keep of a known motion; give one")
         return torch.zeros(frames, len(PARTS), dtype=torch.bool)
-    if not isinstance(known, Motion):
-        raise TypeError(f"known must be a Motion, got {type(known).__name__}")
+    check_known(known)
     if known.fps != MOTION_FPS:
         raise ValueError(f"known must have {MOTION_FPS} frames a second, got {known.fps:g}")
     has = torch.arange(frames) < known.frames
@@ -97,7 +106,7 @@ def bridged(
     places = kept.nonzero()[:, 0]
     if not len(places):
         return made
-    frame = torch.arange(len(kept))
+    frame = torch.arange(len(kept), device=kept.device)
     after = torch.searchsorted(places, frame).clamp_max(len(places) - 1)
     before = (torch.searchsorted(places, frame, right=True) - 1).clamp_min(0)
     low, high = places[before], places[after]
@@ -127,7 +136,7 @@ def _carried(
     apart: Float[Tensor, "batch frames size"], known: Bool[Tensor, "batch frames size"]
 ) -> tuple[Float[Tensor, "batch frames size"], Float[Tensor, "batch frames size"]]:
     """The difference at the last known frame, and how much of it is left after so many frames."""
-    frame = torch.arange(known.shape[1])[:, None]
+    frame = torch.arange(known.shape[1], device=known.device)[:, None]
     last = torch.where(known, frame, -EASE - 1).cummax(dim=1).values
     distance = ((frame - last) / (EASE + 1)).clamp_max(1)
     return apart.gather(1, last.clamp_min(0)), 0.5 + 0.5 * (math.pi * distance).cos()

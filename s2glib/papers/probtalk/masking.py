@@ -64,16 +64,23 @@ def decode(
         codes: where to start; usually all hidden. Tokens that are known stay.
         mask: the number of a hidden token.
         steps: how many.
-        temperature: of the choice of codes; towards 0 it takes the likeliest.
-        generator: source of chance.
+        temperature: of the choice of codes, above 0; towards 0 it takes the likeliest.
+        generator: source of chance, on any device.
+
+    Raises:
+        ValueError: if there is no step, or the temperature is not above 0.
     """
+    if not temperature > 0:
+        raise ValueError(
+            f"a temperature is above 0, got {temperature}; for the likeliest codes take a small "
+            "one, such as 0.001"
+        )
     known = codes != mask
     unknown = (~known).flatten(1).sum(1).tolist()
     remasked = torch.tensor([remask_counts(n, steps) for n in unknown], device=codes.device)
     for step in range(steps):
         log_p = (predict(codes) / temperature).log_softmax(-1)
-        drawn = torch.multinomial(log_p.exp().flatten(0, -2), 1, generator=generator)
-        drawn = drawn.view_as(codes)
+        drawn = _choice(log_p.exp().flatten(0, -2), generator).view_as(codes)
         noise = CHOICE_NOISE * (1 - (step + 1) / steps) * _gumbel(codes.shape, generator)
         sure = log_p.gather(-1, drawn[..., None])[..., 0] + noise.to(log_p)
         confidence = sure.masked_fill(known, math.inf)
@@ -82,6 +89,12 @@ def decode(
         known = rank >= remasked[:, step, None, None]
         codes = codes.masked_fill(~known, mask)
         yield DecodingStep(codes, known, confidence)
+
+
+def _choice(odds: Float[Tensor, "n codes"], generator: torch.Generator) -> Int[Tensor, "n 1"]:
+    """One code a row, drawn where the generator is."""
+    drawn = torch.multinomial(odds.to(generator.device), 1, generator=generator)
+    return drawn.to(odds.device)
 
 
 def _gumbel(shape: torch.Size, generator: torch.Generator) -> Tensor:

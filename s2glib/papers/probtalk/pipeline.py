@@ -20,7 +20,13 @@ from s2glib.papers.probtalk.motion_features import PARTS
 from s2glib.papers.probtalk.pqvae import PQVAE
 from s2glib.papers.probtalk.predictor import Predictor
 from s2glib.papers.probtalk.refiner import Refiner
-from s2glib.papers.probtalk.speech_features import MOTION_FPS, SAMPLE_RATE, Hear, log_mels
+from s2glib.papers.probtalk.speech_features import (
+    SAMPLE_RATE,
+    Hear,
+    check_speech,
+    log_mels,
+    motion_frames,
+)
 
 OVERLAP = 3  # tokens that a window shares with the one before; authors' code
 
@@ -132,15 +138,17 @@ class ProbTalk:
 
         Raises:
             TypeError: if something is of another type.
-            ValueError: if there is no such speaker, or mask, motion and speech do not fit.
+            ValueError: if there is no such speaker, if mask, motion and speech do not fit, or if
+                the speech features are others than the Predictor was trained on.
         """
         self.check(waveform, speaker)
-        frames = max(1, round(MOTION_FPS * waveform.duration))
+        frames = motion_frames(waveform)
         kept = kept_parts(known, context_mask, frames)
         asked = self.ask(waveform, frames, known, kept, speaker)
         track = self.sample(asked, steps=steps, generator=generator)[0, :frames]
         features = self.pqvae.features
-        return embody(features.to_poses(track), features.to_expression(track), known, kept)
+        poses, expression = features.to_poses(track).cpu(), features.to_expression(track).cpu()
+        return embody(poses, expression, known, kept)
 
     def check(self, waveform: Waveform, speaker: int) -> None:
         """Refuse what is no speech, or a speaker whom the networks do not know.
@@ -149,11 +157,7 @@ class ProbTalk:
             TypeError: if something is of another type.
             ValueError: if there is no such speaker.
         """
-        if not isinstance(waveform, Waveform):
-            raise TypeError(
-                f"speech comes as a Waveform, got {type(waveform).__name__}; read a file with "
-                "s2glib.audio.load"
-            )
+        check_speech(waveform)
         if not isinstance(speaker, Integral) or isinstance(speaker, bool):
             raise TypeError(f"a speaker is a number, got {speaker!r}")
         speakers = self.predictor.config.speakers
@@ -169,16 +173,34 @@ class ProbTalk:
         kept: Bool[Tensor, "frames 4"],
         speaker: int,
     ) -> Asked:
-        """A recording and a known motion as the networks see them, up to the last window's end."""
+        """A recording and a known motion as the networks see them, up to the last window's end.
+
+        All of it is on the device of the networks.
+
+        Raises:
+            ValueError: if the speech features are others than the Predictor was trained on.
+        """
+        place = next(self.predictor.parameters()).device
         whole = self.window_starts(frames)[-1] + self.pqvae.config.frames
         samples = resample(waveform.samples, waveform.sample_rate, SAMPLE_RATE)
-        speech = self.hear(samples, whole)
+        speech = self.hear(samples, whole).to(place)
+        self._check_speech_size(speech.shape[-1])
         given = speech.new_zeros(whole, self.pqvae.config.size)
         if known is not None:
-            poses, face = (to_length(x, frames).float() for x in (known.poses, known.expression))
+            tracks = (to_length(track, frames) for track in (known.poses, known.expression))
+            poses, face = (track.to(place, torch.float32) for track in tracks)
             given[:frames] = self.pqvae.features.from_motion(poses, face)
-        padded = torch.cat([kept, kept.new_zeros(whole - frames, len(PARTS))])
-        return Asked(speech[None], given[None], padded[None], torch.tensor([speaker]))
+        padded = torch.cat([kept, kept.new_zeros(whole - frames, len(PARTS))]).to(place)
+        who = torch.tensor([speaker], device=place)
+        return Asked(speech[None], given[None], padded[None], who)
+
+    def _check_speech_size(self, size: int) -> None:
+        wanted = self.predictor.config.speech
+        if size != wanted:
+            raise ValueError(
+                f"this Predictor hears {wanted} numbers a frame, `hear` gives {size}; for one that "
+                "was trained on wav2vec2, load with hear=wav2vec2(folder), else with log_mels"
+            )
 
     def window_starts(self, frames: int) -> list[int]:
         """First frames of the windows that cover `frames`; the last may reach beyond."""

@@ -139,7 +139,11 @@ class Predictor(nn.Module):
         temperature: float = 1.0,
         generator: torch.Generator,
     ) -> Iterator[DecodingStep]:
-        """All tokens, the surest first; yields every state of the decoding, the last one whole."""
+        """All tokens, the surest first; yields every state of the decoding, the last one whole.
+
+        Raises:
+            ValueError: if there is no step, or the temperature is not above 0.
+        """
         return decode(
             partial(self.predict, memory, speaker),
             self.hidden(memory),

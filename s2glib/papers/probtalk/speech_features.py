@@ -13,7 +13,7 @@ import torch
 from jaxtyping import Float
 from torch import Tensor
 
-from s2glib.audio import load_speech_model, wav2vec2_features
+from s2glib.audio import Waveform, load_speech_model, wav2vec2_features
 from s2glib.data.windows import speech_window
 
 MOTION_FPS = 30
@@ -26,6 +26,29 @@ _SHORTEST = math.ceil(SAMPLE_RATE / MOTION_FPS)  # samples of a motion frame
 
 Hear = Callable[[Float[np.ndarray, " n"], int], Float[Tensor, "frames channels"]]
 """From samples at 16 kHz to that many frames of speech, also after the sound's end."""
+
+
+def check_speech(waveform: Waveform) -> None:
+    """Refuse what is no speech.
+
+    Raises:
+        TypeError: if it is no Waveform.
+    """
+    if not isinstance(waveform, Waveform):
+        raise TypeError(
+            f"speech comes as a Waveform, got {type(waveform).__name__}; read a file with "
+            "s2glib.audio.load"
+        )
+
+
+def motion_frames(waveform: Waveform) -> int:
+    """How many frames of motion go with a recording: those that fit, as in the corpus; 1 or more.
+
+    Raises:
+        TypeError: if it is no Waveform.
+    """
+    check_speech(waveform)
+    return max(1, len(waveform.samples) * MOTION_FPS // waveform.sample_rate)
 
 
 def log_mels(samples: Float[np.ndarray, " n"], frames: int) -> Float[Tensor, "frames 64"]:

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from s2glib.audio import Waveform
 from s2glib.body import Motion
+from s2glib.data import load_clip
 from s2glib.papers.probtalk import (
     JOINTS_OF,
     PARTS,
@@ -26,12 +27,17 @@ from s2glib.papers.probtalk.editing import (
     context,
     fill_in,
     keep_parts,
-    motion_frames,
     restyle,
     samples,
 )
 
 FRAMES = 60
+CALLS = {
+    "fill_in": lambda *asked: fill_in(*asked, 20, 30, generator=chance()),
+    "carry_on": lambda *asked: carry_on(*asked, generator=chance()),
+    "keep_parts": lambda *asked: keep_parts(*asked, ["face"], generator=chance()),
+    "restyle": lambda *asked: restyle(*asked, 3, generator=chance()),
+}
 
 
 @pytest.fixture(scope="module")
@@ -69,10 +75,6 @@ def known():
 
 def chance():
     return torch.Generator().manual_seed(0)
-
-
-def test_two_seconds_are_sixty_frames(speech):
-    assert motion_frames(speech) == FRAMES
 
 
 @given(st.data())
@@ -168,3 +170,21 @@ def test_another_speakers_body_keeps_the_face(probtalk, speech, known):
     )
     assert torch.equal(same(theirs, known), context(FRAMES, parts=["face"]))
     assert not torch.equal(ours.poses, theirs.poses)
+
+
+@pytest.mark.parametrize("call", CALLS.values(), ids=CALLS)
+def test_what_is_no_speech_and_no_motion_is_refused(
+    without_type_hook, probtalk, speech, known, call
+):
+    with pytest.raises(TypeError, match="speech comes as a Waveform, got NoneType"):
+        call(probtalk, None, known)
+    for nothing in (None, known.poses):
+        with pytest.raises(TypeError, match=f"must be a Motion, got {type(nothing).__name__}"):
+            call(probtalk, speech, nothing)
+
+
+def test_every_gap_of_a_shipped_clip_can_be_filled(probtalk):
+    clip = load_clip("s01-voice_01-neutral-t2")
+    made = fill_in(probtalk, clip.waveform, clip.motion, 30, 60, generator=chance())
+    frames = clip.motion.frames
+    assert torch.equal(same(made, clip.motion), context(frames, spans=[(0, 30), (60, frames)]))

@@ -105,6 +105,13 @@ def test_far_from_what_is_known_nothing_is_eased():
     torch.testing.assert_close(result[0, far, 0], made[0, far, 0])
 
 
+def test_easing_stays_on_its_device():
+    with torch.device("meta"):
+        track, known = torch.zeros(2, 40, 3), torch.zeros(2, 40, 3, dtype=torch.bool)
+    result = eased(track, track, known)
+    assert (result.device.type, result.shape) == ("meta", track.shape)
+
+
 def test_without_a_mask_all_of_a_known_motion_is_kept():
     kept = kept_parts(motion(8), None, FRAMES)
     assert kept[:8].all()

@@ -104,6 +104,13 @@ def test_a_cold_choice_takes_the_likeliest(hidden, generator, steps):
     assert torch.equal(last.codes, predict(hidden).argmax(-1))
 
 
+@pytest.mark.parametrize("temperature", [0.0, -1.0, math.nan])
+def test_a_temperature_is_above_zero(without_type_hook, hidden, generator, temperature):
+    states = decode(fixed(), hidden, mask=MASK, temperature=temperature, generator=generator)
+    with pytest.raises(ValueError, match=f"above 0, got {temperature}"):
+        next(states)
+
+
 def test_the_same_generator_gives_the_same_tokens_and_another_does_not(hidden):
     def last(seed):
         return list(

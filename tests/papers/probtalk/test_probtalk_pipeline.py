@@ -1,3 +1,4 @@
+from copy import deepcopy
 from dataclasses import replace
 
 import numpy as np
@@ -13,6 +14,7 @@ from s2glib.papers.probtalk import PQVAE, Predictor, ProbTalk
 from s2glib.papers.probtalk.config import TEACHING_PQVAE, TEACHING_PREDICTOR, TEACHING_REFINER
 from s2glib.papers.probtalk.motion_features import JOINTS_OF, PARTS
 from s2glib.papers.probtalk.refiner import Refiner
+from s2glib.papers.probtalk.speech_features import log_mels
 
 PREDICTOR = replace(
     TEACHING_PREDICTOR,
@@ -72,7 +74,7 @@ def generated(probtalk, waveform, seed=0, **asked):
 @pytest.mark.parametrize("seconds", [0.5, 4.73, 176 / 30, 177 / 30, 10.01])
 def test_a_motion_is_as_long_as_its_speech(probtalk, seconds):
     motion = generated(probtalk, speech(seconds))
-    assert motion.frames == round(30 * seconds)
+    assert motion.frames == int(30 * seconds)
     assert motion.fps == 30
 
 
@@ -189,6 +191,31 @@ def test_a_predictor_with_one_mask_for_all_parts_sees_only_whole_frames(networks
     mask[10:40] = True
     whole = generated(probtalk, speech(2.0), known=known, context_mask=mask).poses
     assert (whole[45:, 12:22] - alone[45:, 12:22]).abs().max() > 1e-3
+
+
+def test_speech_features_of_another_size_are_refused(networks):
+    for hear in (lambda _, frames: torch.zeros(frames, 768), log_mels):
+        predictor = Predictor(replace(PREDICTOR, speech=64 if hear is not log_mels else 768))
+        probtalk = ProbTalk(networks[0], predictor, hear=hear)
+        with pytest.raises(ValueError, match=r"load with hear=wav2vec2\(folder\)"):
+            generated(probtalk, speech(1.0))
+
+
+@pytest.mark.parametrize("known", [None, some_motion(40)], ids=["nothing", "something"])
+def test_what_is_asked_is_where_the_networks_are(networks, known):
+    probtalk = ProbTalk(*(deepcopy(each).to("meta") for each in networks))
+    asked = probtalk.ask(speech(2.0), 60, known, torch.ones(60, 4, dtype=torch.bool), 3)
+    assert {track.device.type for track in asked} == {"meta"}
+
+
+@pytest.mark.gpu
+def test_networks_on_a_gpu_make_motion_on_the_cpu(networks):
+    probtalk = ProbTalk(*(deepcopy(each).to("cuda") for each in networks))
+    known = some_motion(40)
+    motion = generated(probtalk, speech(3.0), known=known)
+    assert motion.poses.device.type == motion.expression.device.type == "cpu"
+    assert torch.equal(motion.poses[:40], known.poses)
+    assert motion.poses.isfinite().all()
 
 
 @pytest.mark.parametrize(

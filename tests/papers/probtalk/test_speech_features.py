@@ -4,14 +4,38 @@ import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
-from s2glib.audio import load_speech_model, wav2vec2_features
+from s2glib.audio import Waveform, load_speech_model, wav2vec2_features
+from s2glib.data import clips, load_clip
 from s2glib.data.windows import noise_floor, speech_window
 from s2glib.papers.probtalk import at_motion_rate, log_mels, wav2vec2
-from s2glib.papers.probtalk.speech_features import LOG_MEL_MEAN, LOG_MEL_STD
+from s2glib.papers.probtalk.speech_features import LOG_MEL_MEAN, LOG_MEL_STD, motion_frames
 
 
 def buzz(seconds, seed=0):
     return np.random.default_rng(seed).normal(0, 0.1, round(16000 * seconds)).astype(np.float32)
+
+
+@pytest.mark.parametrize("name", [*clips()[::9], "s01-voice_01-neutral-t2"])
+def test_a_shipped_clip_has_as_many_frames_as_go_with_its_sound(name):
+    clip = load_clip(name)
+    assert motion_frames(clip.waveform) == clip.motion.frames
+
+
+@given(st.integers(1, 100_000), st.sampled_from([16000, 22050, 44100, 48000]))
+def test_frames_of_motion_fit_into_the_sound_and_another_one_would_not(samples, rate):
+    frames = motion_frames(Waveform(np.zeros(samples, np.float32), rate))
+    assert frames * rate <= 30 * samples or frames == 1
+    assert (frames + 1) * rate > 30 * samples
+
+
+@pytest.mark.parametrize(("seconds", "frames"), [(2.0, 60), (10.0, 300), (0.001, 1), (0.999, 29)])
+def test_frames_of_motion_are_rounded_down_and_never_none(seconds, frames):
+    assert motion_frames(Waveform(buzz(seconds), 16000)) == frames
+
+
+def test_what_is_no_speech_has_no_frames(without_type_hook):
+    with pytest.raises(TypeError, match="as a Waveform, got ndarray"):
+        motion_frames(buzz(1.0))
 
 
 @given(st.integers(8000, 60_000), st.integers(1, 300))
