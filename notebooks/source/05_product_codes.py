@@ -659,7 +659,7 @@ report(
 # ## 7. And for gestures?
 #
 # The latents of a PQ-VAE are no fixed cloud: the encoder learns *with* the quantiser, and can arrange its channels so that a grid fits. So train the
-# whole thing with each quantiser. These runs were recorded (`probtalk-codes`, three seeds, 700 steps each: enough to compare, too few to be good):
+# whole thing with each quantiser. These runs were recorded (`probtalk-codes`, three seeds, 500 steps each: enough to compare, too few to be good):
 
 # %% tags=["s2g-figure"]
 import json

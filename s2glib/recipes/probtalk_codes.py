@@ -20,7 +20,7 @@ from s2glib.recipes.probtalk_pqvae import COURSES, fit_pqvae, new_pqvae
 from s2glib.recipes.stage import Stage
 
 Kind = Literal["product", "plain", "residual"]
-STEPS = 700
+STEPS = 500
 SEEDS = (0, 1, 2)
 
 
