@@ -7,8 +7,10 @@ Notebook: notebooks/21_cost_and_harm.ipynb
 import hashlib
 import json
 from pathlib import Path
+from zipfile import ZIP_BZIP2, ZipFile
 
 import numpy as np
+from jaxtyping import Shaped
 from tqdm import tqdm
 
 from s2glib.audio import save
@@ -48,7 +50,7 @@ def write_samples(folder: Path) -> None:
         facts[cell.id] = {**_facts(clip), "sha256": _write_clip(folder / CLIPS, clip)}
     takes = [cell._replace(take=0) for cell in split("shipped")]
     windows = speech_set([Request(cell) for cell in takes]).windows
-    np.savez_compressed(folder / WINDOWS, id=[cell.id for cell in takes], window=windows)
+    write_windows(folder / WINDOWS, [cell.id for cell in takes], windows)
     manifest = {
         "version": 1,
         "licence": "CC0-1.0",
@@ -59,6 +61,15 @@ def write_samples(folder: Path) -> None:
     }
     text = json.dumps(manifest, indent=0, ensure_ascii=False) + "\n"
     (folder / MANIFEST).write_text(text, encoding="utf8")
+
+
+def write_windows(path: Path, names: list[str], windows: Shaped[np.ndarray, "n t mels"]) -> None:
+    """Log-mels to an eighth, which is lost in their spread of 3.4 and halves the file."""
+    rounded = (np.round(windows.astype(np.float32) * 8) / 8).astype(np.float16)
+    with ZipFile(path, "w", ZIP_BZIP2) as archive:
+        for name, array in (("id", np.array(names)), ("window", rounded)):
+            with archive.open(f"{name}.npy", "w") as file:
+                np.lib.format.write_array(file, array)
 
 
 def _facts(clip: Clip) -> dict[str, object]:

@@ -8,6 +8,7 @@ import torch
 
 from s2glib.corpus.build import render_clip, render_motion
 from s2glib.corpus.script import EMOTIONS, parse_id, split
+from s2glib.corpus.ship import write_windows
 from s2glib.data import clips, load_clip, speech_windows
 from s2glib.folders import data_folder
 
@@ -62,7 +63,18 @@ def test_live_training_windows_belong_to_take_zero_of_the_shipped_cells():
     names, windows = speech_windows()
     assert windows.shape == (128, 352, 64)
     assert np.isfinite(windows).all()
+    assert (windows * 8 == np.round(windows * 8)).all()
     assert {parse_id(n)._replace(take=2).id for n in names} == set(clips())
+
+
+def test_windows_are_kept_to_an_eighth(tmp_path):
+    rng = np.random.default_rng(0)
+    windows = rng.normal(-6, 3.4, (2, 5, 3)).astype(np.float16)
+    write_windows(tmp_path / "windows.npz", ["one", "other"], windows)
+    with np.load(tmp_path / "windows.npz") as stored:
+        assert stored["id"].tolist() == ["one", "other"]
+        assert stored["window"].dtype == np.float16
+        assert np.abs(stored["window"].astype(float) - windows).max() <= 1 / 16
 
 
 def test_an_unknown_clip_is_refused_with_a_way_out():
