@@ -241,7 +241,7 @@ report(
 )
 
 # %% [markdown]
-# Ours gets a help that the paper's lacks, *easing*: the step at a border is measured, and faded out over eight frames, before the Refiner sees the motion.
+# Ours gets a help that the paper's lacks, *easing*: the step at a border is measured, and faded out over eight frames, before the Refiner sees the motion and once more after it.
 # (It also predicts what to *add* to its input, looks at five frames where the paper's first layer sees one, and begins each frame with what is heard in it. All are off in the paper's size.) Easing alone takes away a third of the jolt or more. What no code names, the Refiner can only guess from speech and
 # neighbours, so its correction is small.
 #

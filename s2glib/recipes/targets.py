@@ -117,7 +117,7 @@ PROBTALK = {
     "codes: wrist error, cm": _most(2.0, 3.0),
     "true codes: error, refined / pasted": _most(1.0),
     "true codes: border, refined / pasted": _LESS,
-    "true codes: border, refined / eased": _LESS,
+    "true codes: border, refined / eased": _most(1.0),
     "FGD ratio, face, refined": _most(3.0),
     "FGD ratio, body and hands, refined": _most(3.0),
     "FGD ratio, all, refined": _most(3.0),

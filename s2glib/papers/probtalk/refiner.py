@@ -92,10 +92,13 @@ class Refiner(nn.Module):
         context_mask: ContextMask,
         speaker: Int[Tensor, " batch"],
     ) -> Frames:
-        """Refine what was made; what is known comes out as it was given (authors' code)."""
+        """Refine what was made; what is known comes out as it was given (authors' code).
+
+        It is met as the input is, see `meet`.
+        """
         known = self.known(context_mask)
         refined = self(self.meet(given, made, known), speech, context_mask, speaker)
-        return fill(given, refined, known)
+        return self.meet(given, refined, known)
 
 
 def fill(given: Frames, made: Frames, known: Known) -> Frames:
