@@ -664,8 +664,11 @@ report(
 # %% tags=["s2g-figure"]
 import json
 
+from s2glib.recipes.code_scores import STUDY
+from s2glib.recipes.probtalk_codes import STEPS
+
 ARMS = ("PQ 4 x 128", "VQ 128", "VQ 4096", "PQ 4 x 8", "RQ 4 x 8")
-runs = sorted(runs_folder().glob("probtalk-codes-teaching-*.json"))
+runs = sorted(runs_folder().glob(f"{STUDY}-teaching-*.json"))
 recorded = [json.loads(path.read_text())["figures"] for path in runs]
 wrist = {arm: [run[f"{arm}: wrist error, cm"] for run in recorded] for arm in ARMS}
 usage = {arm: [run[f"{arm}: perplexity / codes"] for run in recorded] for arm in ARMS}
@@ -688,6 +691,7 @@ pairs = zip(wrist["PQ 4 x 128"], wrist["VQ 128"], strict=True)
 means = {arm: np.mean(wrist[arm]) for arm in ARMS[2:]}
 report(
     seeds=len(recorded),
+    steps_of_each=STEPS,
     at_equal_memory_PQ_wins_with_every_seed=all(ours < theirs for ours, theirs in pairs),
     best_at_equal_bits=min(means, key=means.get),
     the_large_table_uses_its_entries_least=min(ARMS, key=lambda arm: np.mean(usage[arm]))
@@ -705,6 +709,7 @@ report(
 # %%
 from s2glib.papers.probtalk import PAPER_PQVAE
 from s2glib.papers.probtalk.pqvae import Resample
+from s2glib.recipes.probtalk_pqvae import COURSES
 
 with torch.device("meta"):
     paper = PQVAE(PAPER_PQVAE)
@@ -726,6 +731,7 @@ report(
     last_layer_works_token_by_token=torch.allclose(by_token, last(wide).mT, atol=1e-4),
     frames_that_a_token_depends_on=int(hears.sum()),
     paper_size_in_millions_of_parameters=sum(p.numel() for p in paper.parameters()) / 1e6,
+    steps_of_our_training=COURSES["teaching"].steps,
 )
 
 # %% [markdown]

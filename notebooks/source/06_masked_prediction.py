@@ -488,6 +488,7 @@ report(
 
 # %% tags=["s2g-figure"]
 from s2glib.papers.probtalk import masked_share, random_shares, remask_counts
+from s2glib.recipes.probtalk_predictor import LESSONS
 
 progress = np.linspace(0, 1, 400)
 shares = random_shares(400, torch.Generator().manual_seed(0))
@@ -507,6 +508,7 @@ figure(
 report(
     shares_that_decoding_meets=decoding,
     the_curriculum_meets_at_last=masked_share(1.0),
+    in_the_papers_recipe_and_ours=[LESSONS[size].hidden for size in ("paper", "teaching")],
     MaskGIT_hides_less_than_half_in_about_a_third=bool(0.25 < (shares < 0.5).float().mean() < 0.42),
 )
 
@@ -729,6 +731,7 @@ report(eight_steps_fit_better_than_one=fits[3] > fits[0])
 # Now watch one. While tokens are hidden, the body moves as the mean of what the Predictor expects: less at first than in the end.
 
 # %% tags=["s2g-figure"]
+from s2glib.viz import draw_tokens
 from s2glib.widgets import UnmaskingStepper
 
 body = mannequin()
@@ -736,7 +739,9 @@ stepper = UnmaskingStepper(probtalk, clip.waveform, body, speaker=int(asked.spea
 fig, panels = plt.subplots(4, 2, figsize=(10, 6), sharex=True, sharey=True)
 for number, axes in enumerate(panels.T.flat, start=1):
     stepper.go(number)
-    stepper.draw(axes).set(title=f"after step {number}")
+    state = stepper.state
+    tables = state.log_p.numpy(), state.new.numpy()
+    draw_tokens(axes, *tables, codes=CODES, seconds=PACE).set(title=f"after step {number}")
     axes.label_outer()
 figure(
     fig,

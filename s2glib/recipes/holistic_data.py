@@ -1,7 +1,7 @@
 """Holistic motion of many clips, and the speech that belongs to it, cut into windows.
 
 Paper:    PT A.1, A.2
-Notebook: notebooks/05_product_codes.ipynb
+Notebook: notebooks/07_refiner.ipynb
 """
 
 from collections.abc import Callable, Iterable, Sequence

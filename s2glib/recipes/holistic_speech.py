@@ -1,7 +1,7 @@
 """What ProbTalk's networks hear in training: wav2vec2 in the paper's size, log-mels in ours.
 
 Paper:    PT A.2 (wav2vec2: authors' code)
-Notebook: notebooks/06_masked_prediction.ipynb
+Notebook: notebooks/11_losses_and_guidance.ipynb
 """
 
 from collections.abc import Callable, Iterable, Iterator, Sequence

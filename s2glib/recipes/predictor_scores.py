@@ -1,7 +1,7 @@
 """How well codes are foretold, how much of that is due to the speech, and whether beats are kept.
 
 Paper:    PT A.2; beats: PT B (BC), AM E (BA)
-Notebook: notebooks/06_masked_prediction.ipynb
+Notebook: notebooks/17_motion_distances.ipynb
 """
 
 from typing import NamedTuple

@@ -78,6 +78,13 @@ def slider(page, index):
     return page.locator(".s2g-mixer").first.locator("input[type=range]").nth(index)
 
 
+def wait_for_gain(page, index, text):
+    """Views are drawn anew with the next frame of the screen."""
+    sliders = "document.querySelectorAll('.s2g-mixer input[type=range]')"
+    shown = f"([k, text]) => {sliders}[k].getAttribute('aria-valuetext') === text"
+    page.wait_for_function(shown, arg=[index, text])
+
+
 def on_slider(page, index, share):
     """A place on a slider, 0 at its left end and 1 at its right one."""
     slider(page, index).scroll_into_view_if_needed()
@@ -114,7 +121,7 @@ def test_the_mouse_moves_a_gain_in_both_views_and_start_again_brings_the_network
     page.mouse.down()
     page.mouse.move(*on_slider(page, 2, 1.0), steps=8)
     page.mouse.up()
-    assert slider(page, 2).get_attribute("aria-valuetext") == "+8"
+    wait_for_gain(page, 2, "+8")
     agree(page)
     execute(page, "assert mixer.gains[2] == 8.0, mixer.gains")
     for view in (0, 1):
@@ -130,9 +137,9 @@ def test_keys_move_a_gain_and_turn_a_warp_off_without_moving_the_notebook(page):
     slider(page, 1).focus()
     for key in ("ArrowRight", "ArrowUp", "ArrowRight", "ArrowDown"):
         page.keyboard.press(key)
-    assert slider(page, 1).get_attribute("aria-valuetext") == "+1"
+    wait_for_gain(page, 1, "+1")
     page.keyboard.press("Home")
-    assert slider(page, 1).get_attribute("aria-valuetext") == "off"
+    wait_for_gain(page, 1, "off")
     agree(page)
     execute(page, "assert mixer.gains[1] == -8.0, mixer.gains")
     assert page.evaluate("() => jupyterapp.shell.currentWidget.content.activeCellIndex") == cell
