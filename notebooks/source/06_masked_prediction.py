@@ -849,6 +849,7 @@ ask("06-q4")
 # - AdaIN forgets what all tokens share; a layer norm forgets how strong each one is.
 # - Decoding in steps lets tokens see each other: draw all, keep the surest, hide the rest again.
 #
-# **Limits.** A token once chosen is never taken back, even if later ones show it wrong. And of our sentences and gestures the corpus has only so many; how well the Predictor does there says `evaluate probtalk`.
+# **Limits.** A token once chosen is never taken back, even if later ones show it wrong. And ours was trained for half an hour: its gestures are as fast as real ones, but
+# hardly keep time with the stressed syllables, and its faces say little. `evaluate probtalk` prints by how much.
 #
 # **Back:** [05 Product codes](05_product_codes.ipynb). **Next:** notebook 07 refines the motion, and keeps what is known.
