@@ -42,3 +42,15 @@ def test_beats_after_the_end_of_the_motion_do_not_count(moving):
     places, beats = moving
     later = [np.append(b, [4.2, 5.0]) for b in beats]
     assert beat_rows(places, places, later, "x") == beat_rows(places, places, beats, "x")
+
+
+def test_a_short_clip_ends_where_its_motion_does(moving):
+    places, beats = moving
+    lengths = np.where(np.arange(12) < 6, 60, 120)
+    cut = [b[b < n / 30] for b, n in zip(beats, lengths, strict=True)]
+    short = figures(beat_rows(places, places, beats, "x", lengths))
+    assert short == figures(beat_rows(places, places, cut, "x", lengths))
+    assert short != figures(beat_rows(places, places, cut, "x"))  # chance knows of the ends
+    assert figures(beat_rows(places, places, beats, "x", np.full(12, 120))) == figures(
+        beat_rows(places, places, beats, "x")
+    )

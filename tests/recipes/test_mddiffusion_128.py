@@ -79,3 +79,9 @@ def test_its_stage_leaves_two_checkpoints_beside_the_smaller_ones(tmp_path, shor
 def test_without_the_smaller_networks_it_says_which_file_is_missing(tmp_path):
     with pytest.raises(FileNotFoundError, match=r"mddiffusion-decoupling\.safetensors"):
         larger.train(Stage("mddiffusion-128", tmp_path))
+
+
+@pytest.mark.parametrize("size", [100, "128", None])
+def test_there_are_no_networks_of_other_sizes(tmp_path, size):
+    with pytest.raises(ValueError, match="for 64 or 128 pixels, got size="):
+        MDDiffusion.load.__wrapped__(MDDiffusion, tmp_path, size=size)

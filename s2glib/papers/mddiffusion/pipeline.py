@@ -55,8 +55,10 @@ class MDDiffusion:
 
         Raises:
             FileNotFoundError: if one is missing.
-            ValueError: if one is not what it should be.
+            ValueError: if one is not what it should be, or there are none of that size.
         """
+        if size not in (64, 128):
+            raise ValueError(f"networks are for 64 or 128 pixels, got size={size!r}")
         which = "" if size == 64 else f"-{size}"
         return cls(
             load_checkpoint(folder / f"mddiffusion-decoupling{which}.safetensors", MotionDecoupler),
