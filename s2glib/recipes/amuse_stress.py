@@ -7,12 +7,10 @@ Notebook: notebooks/13_latent_diffusion.ipynb
 from functools import partial
 from typing import NamedTuple
 
-import numpy as np
 import torch
 from jaxtyping import Float
 from torch import Tensor, nn
 
-from s2glib.corpus.build import timing_of
 from s2glib.corpus.script import Cell, split
 from s2glib.papers.amuse.augmentation import gain_and_tilt
 from s2glib.papers.amuse.config import SPEECH_PRESETS, SpeechConfig
@@ -24,7 +22,7 @@ from s2glib.papers.amuse.stress_listener import (
 )
 from s2glib.recipes.amuse_disentangler import factor_table
 from s2glib.recipes.fit import Chance, Course
-from s2glib.recipes.speech_data import FactorTable
+from s2glib.recipes.speech_data import FactorTable, stress_times
 from s2glib.recipes.stage import Stage
 
 STRESS = Course(steps=1500, batch=48, learning_rate=2e-3, warm_up=50)
@@ -46,17 +44,13 @@ class StressObjective(nn.Module):
 
     def forward(self, step: StressStep) -> tuple[Tensor, dict[str, Tensor]]:
         """The loss."""
-        loss = stress_loss(self.model, *step)
+        loss = stress_loss(self.model.logits(step.filterbank), step.targets)
         return loss, {"stress": loss}
 
 
 def true_stresses(cells: list[Cell], config: SpeechConfig) -> Float[Tensor, "n frames"]:
     """Targets for the windows of cells."""
-    times = [timing_of(cell).stress_times for cell in cells]
-    padded = np.full((len(cells), max(map(len, times))), np.nan, np.float32)
-    for row, stresses in zip(padded, times, strict=True):
-        row[: len(stresses)] = stresses
-    return stress_targets(torch.from_numpy(padded), config.frames, 100 / config.pool)
+    return stress_targets(stress_times(cells), config.frames, 100 / config.pool)
 
 
 def draw_stress(

@@ -15,6 +15,7 @@ from torch import Tensor, nn
 from torch.nn import functional as F
 
 from s2glib.corpus.script import SPEAKERS, TRAIN_SPEAKERS, split
+from s2glib.papers.amuse.stress_listener import stress_loss, stress_targets
 from s2glib.papers.probtalk import PQVAE, PREDICTOR_PRESETS, Predictor
 from s2glib.papers.probtalk.masking import (
     hide_tokens,
@@ -23,12 +24,15 @@ from s2glib.papers.probtalk.masking import (
     random_shares,
     window_contexts,
 )
+from s2glib.papers.probtalk.predictor import WINDOW
+from s2glib.papers.probtalk.speech_features import MOTION_FPS
 from s2glib.recipes.fit import Chance, Course
 from s2glib.recipes.holistic_data import HolisticClips, holistic_clips
 from s2glib.recipes.holistic_speech import hearing
 from s2glib.recipes.motion_data import motion_cells
 from s2glib.recipes.predictor_scores import predictor_scores
 from s2glib.recipes.probtalk_pqvae import trained_pqvae
+from s2glib.recipes.speech_data import stress_times
 from s2glib.recipes.stage import Stage
 
 
@@ -43,6 +47,8 @@ class Lesson:
         parts: contexts of any length and of single parts of the body (ours).
         region: tokens that count in the loss: "all" (authors' code) or the "hidden" ones.
         louder: spread of a clip's loudness, in standardised log-mels (ours).
+        unheard: share of clips whose speech is left out, for guidance (ours).
+        stress: weight of saying when stressed vowels begin, from what the tokens look at (ours).
     """
 
     course: Course
@@ -50,6 +56,8 @@ class Lesson:
     parts: bool = False
     region: Literal["all", "hidden"] = "all"
     louder: float = 0.0
+    unheard: float = 0.0
+    stress: float = 0.0
 
 
 PAPER_COURSE = Course(  # a constant rate, 100 epochs: authors' code; so many steps: ours
@@ -64,16 +72,21 @@ PAPER_COURSE = Course(  # a constant rate, 100 epochs: authors' code; so many st
 LESSONS = {
     "paper": Lesson(PAPER_COURSE),
     "teaching": Lesson(
-        Course(steps=4000, batch=32, learning_rate=1e-3, betas=(0.9, 0.99), weight_decay=0.01),
+        Course(steps=12_000, batch=32, learning_rate=2e-3, betas=(0.9, 0.99), warm_up=300),
         hidden="random",
         parts=True,
         louder=0.3,
+        unheard=0.1,
+        stress=1.0,
     ),
 }
 
 
 class PredictorStep(NamedTuple):
-    """True codes, what is seen of them, and what goes with them."""
+    """True codes, what is seen of them, and what goes with them.
+
+    `stress` is 1 where a stressed vowel begins, and less around it.
+    """
 
     target: Int[Tensor, "batch time groups"]
     codes: Int[Tensor, "batch time groups"]
@@ -81,24 +94,31 @@ class PredictorStep(NamedTuple):
     context: Float[Tensor, "batch frames motion"]
     context_mask: Bool[Tensor, "batch frames parts"]
     speaker: Int[Tensor, " batch"]
+    stress: Float[Tensor, "batch frames"]
 
 
 class PredictorObjective(nn.Module):
-    """Holds the Predictor; one call is one guess at all tokens."""
+    """Holds the Predictor; one call is one guess at all tokens, and at the stresses they hear."""
 
-    def __init__(self, model: Predictor, region: Literal["all", "hidden"] = "all"):
+    def __init__(self, model: Predictor, lesson: Lesson):
         super().__init__()
-        self.model, self.region = model, region
+        self.model, self.lesson = model, lesson
+        self.stresses = nn.Linear(model.config.width, WINDOW) if lesson.stress else None
 
     def forward(self, step: PredictorStep) -> tuple[Tensor, dict[str, Tensor]]:
         """Cross-entropy, and how many of the hidden tokens are right."""
-        logits = self.model(*step[1:])
+        memory = self.model.listen(step.speech, step.context, step.context_mask)
+        logits = self.model.predict(memory, step.speaker, step.codes)
         errors = F.cross_entropy(logits.flatten(0, 2), step.target.flatten(), reduction="none")
         hidden = (step.codes == self.model.mask).flatten()
         right = logits.argmax(-1).flatten() == step.target.flatten()
         unseen = errors[hidden].mean()
-        loss = errors.mean() if self.region == "all" else unseen
-        return loss, {"hidden": unseen, "accuracy": right[hidden].float().mean()}
+        loss = errors.mean() if self.lesson.region == "all" else unseen
+        terms = {"hidden": unseen, "accuracy": right[hidden].float().mean()}
+        if self.stresses is not None:
+            terms["stress"] = stress_loss(self.stresses(memory).flatten(1), step.stress)
+            loss = loss + self.lesson.stress * terms["stress"]
+        return loss, terms
 
 
 class PredictorData:
@@ -127,8 +147,9 @@ class PredictorData:
         else:
             shares = random_shares(count, generator)
         louder = lesson.louder * torch.randn(count, 1, 1, generator=generator)
+        heard = torch.rand(count, 1, 1, generator=generator) >= lesson.unheard
         codes = hide_tokens(step.target, shares, mask=mask, generator=generator)
-        return step._replace(codes=codes, speech=step.speech + louder)
+        return step._replace(codes=codes, speech=(step.speech + louder) * heard)
 
     @torch.no_grad()
     def step(
@@ -145,7 +166,11 @@ class PredictorData:
         context = motion * self.pqvae.features.of_parts(known)
         speech = self.clips.heard(rows, offsets, self.frames)
         speaker = self.speakers[torch.from_numpy(rows)]
-        return PredictorStep(target, target, speech, context, known[..., : self.parts], speaker)
+        seen = known[..., : self.parts]
+        times = stress_times([self.clips.cells[row] for row in rows])
+        since = times - torch.from_numpy(offsets / MOTION_FPS).float()[:, None]
+        stress = stress_targets(since, self.frames, MOTION_FPS)
+        return PredictorStep(target, target, speech, context, seen, speaker, stress)
 
 
 def train(stage: Stage) -> None:
@@ -158,7 +183,7 @@ def train(stage: Stage) -> None:
     data = PredictorData(clips, pqvae, config.context_parts)
     torch.manual_seed(stage.seed)
     model = Predictor(config)
-    objective = PredictorObjective(model, lesson.region)
+    objective = PredictorObjective(model, lesson)
     draw = partial(data.draw, lesson, model.mask)
     kept, record = stage.train(stage.name, objective, lesson.course, draw)
     predictor = kept.model.eval()

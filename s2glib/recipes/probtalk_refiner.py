@@ -54,7 +54,7 @@ class Lesson:
 LESSONS = {
     "paper": Lesson(PAPER_COURSE),
     "teaching": Lesson(
-        Course(steps=1600, batch=16, learning_rate=1e-3, betas=(0.9, 0.99)),
+        Course(steps=4000, batch=16, learning_rate=1e-3, betas=(0.9, 0.99)),
         parts=True,
         seams=True,
     ),

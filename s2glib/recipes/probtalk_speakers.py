@@ -58,7 +58,7 @@ def short_run(stage: Stage, name: str, pqvae: PQVAE, cells: list[Cell]) -> Predi
     torch.manual_seed(stage.seed)
     model = Predictor(config)
     part, draw = f"{stage.name}-{name.replace(' ', '-')}", partial(data.draw, lesson, model.mask)
-    kept, _ = stage.train(part, PredictorObjective(model, lesson.region), lesson.course, draw)
+    kept, _ = stage.train(part, PredictorObjective(model, lesson), lesson.course, draw)
     return kept.model.eval()
 
 

@@ -12,6 +12,7 @@ import torch
 from jaxtyping import Float, Int
 from torch import Tensor
 
+from s2glib.corpus.build import timing_of
 from s2glib.corpus.script import EMOTIONS, SENTENCES, SPEAKERS, Cell
 from s2glib.papers.amuse.cross_reconstruction import Donors
 
@@ -31,6 +32,15 @@ class QuadrupleBatch(NamedTuple):
     clips: Float[Tensor, "4 batch frames mels"]
     emotion: Int[Tensor, " batch"]
     style: Int[Tensor, "4 batch"]
+
+
+def stress_times(cells: Sequence[Cell]) -> Float[Tensor, "n stresses"]:
+    """Where stressed vowels begin (seconds); clips with fewer of them end in NaN."""
+    times = [timing_of(cell).stress_times for cell in cells]
+    padded = np.full((len(cells), max(map(len, times))), np.nan, np.float32)
+    for row, stresses in zip(padded, times, strict=True):
+        row[: len(stresses)] = stresses
+    return torch.from_numpy(padded)
 
 
 class FactorTable:

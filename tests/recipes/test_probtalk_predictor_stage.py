@@ -34,7 +34,7 @@ THIN |= {"hidden": 16, "style": 4}
 CONFIG = replace(TEACHING_PREDICTOR, **THIN)
 PQ = replace(TEACHING_PQVAE, widths=(8, 8, 8, 8))
 COURSE = Course(steps=3, batch=8, learning_rate=1e-3, warm_up=1)
-LESSON = recipe.Lesson(COURSE, hidden="random", parts=True)
+LESSON = recipe.Lesson(COURSE, hidden="random", parts=True, unheard=0.3, stress=1.0)
 CELLS = [Cell(s, v, e, 0) for s in (0, 1) for v in SPEAKERS[:2] for e in EMOTIONS[:2]]
 
 
@@ -71,7 +71,7 @@ def test_three_steps_train_every_part_and_leave_the_pqvae_alone(data, pqvae):
     model = Predictor(CONFIG)
     before = {name: p.clone() for name, p in model.named_parameters()}
     codebooks = {name: value.clone() for name, value in pqvae.state_dict().items()}
-    objective = recipe.PredictorObjective(model)
+    objective = recipe.PredictorObjective(model, LESSON)
     logs = list(Training(objective, COURSE).run(lambda c: data.draw(LESSON, model.mask, c)))
     assert np.isfinite([log.loss for log in logs]).all()
     assert not [n for n, p in model.named_parameters() if torch.equal(p, before[n])]
@@ -123,9 +123,10 @@ def test_all_tokens_count_or_the_hidden_ones(data):
     model = Predictor(CONFIG).eval()
     step = data.draw(replace(LESSON, hidden="curriculum"), model.mask, chance())
     (whole, terms), (hidden, _) = (
-        recipe.PredictorObjective(model, region)(step) for region in ("all", "hidden")
+        recipe.PredictorObjective(model, replace(LESSON, region=region))(step)
+        for region in ("all", "hidden")
     )
-    odds = model(*step[1:]).log_softmax(-1).gather(-1, step.target[..., None])[..., 0]
+    odds = model(*step[1:6]).log_softmax(-1).gather(-1, step.target[..., None])[..., 0]
     torch.testing.assert_close(whole, -odds.mean())
     torch.testing.assert_close(hidden, -odds[step.codes == model.mask].mean())
     assert torch.equal(terms["hidden"], hidden)

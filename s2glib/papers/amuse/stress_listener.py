@@ -78,11 +78,7 @@ def stress_targets(
 
 
 def stress_loss(
-    listener: StressListener,
-    filterbank: Float[Tensor, "batch frames mels"],
-    targets: Float[Tensor, "batch frames"],
+    logits: Float[Tensor, "batch frames"], targets: Float[Tensor, "batch frames"]
 ) -> Float[Tensor, ""]:
     """Cross-entropy with soft targets; the rare beats count four times."""
-    return F.binary_cross_entropy_with_logits(
-        listener.logits(filterbank), targets, weight=1 + 3 * targets
-    )
+    return F.binary_cross_entropy_with_logits(logits, targets, weight=1 + 3 * targets)

@@ -88,7 +88,7 @@ class PredictorConfig:
     codes: int = 128  # of a group; authors' code
     speakers: int = 4  # authors' code
     aligned: bool = False  # tokens begin with what is heard at their time; True: ours
-    learned_groups: bool = False  # the fixed places of (t, g) and (g, t) are the same; True: ours
+    own_codes: bool = False  # code 5 is one vector in all groups; True, one in each: ours
     audio_width: int = 256  # authors' code
     context_widths: tuple[int, int, int] = (128, 256, 512)  # authors' code
     width: int = 512  # authors' code
@@ -147,7 +147,7 @@ TEACHING_PREDICTOR = replace(
     context_parts=4,
     speakers=24,
     aligned=True,
-    learned_groups=True,
+    own_codes=True,
     audio_width=80,
     context_widths=(40, 56, 80),
     width=128,
@@ -156,6 +156,7 @@ TEACHING_PREDICTOR = replace(
     hidden=256,
     style=32,
     style_norm="adaln",
+    dropout=0.0,
 )
 TEACHING_REFINER = replace(
     PAPER_REFINER,
@@ -169,6 +170,7 @@ TEACHING_REFINER = replace(
     hidden=256,
     style=32,
     head=256,
+    dropout=0.0,
     eased=True,
     aligned=True,
     reach=5,

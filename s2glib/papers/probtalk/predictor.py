@@ -6,6 +6,7 @@ Notebook: notebooks/06_masked_prediction.ipynb
 
 from collections.abc import Iterator
 from functools import partial
+from itertools import cycle
 
 import torch
 from einops import rearrange
@@ -18,6 +19,7 @@ from s2glib.papers.probtalk.masking import DecodingStep, decode
 from s2glib.papers.probtalk.pqvae import Resample
 from s2glib.papers.probtalk.style_decoder import StyleDecoder
 
+WINDOW = 8  # frames of a token: three halvings  [PT A.2]
 _GATED = 10  # convolutions of the context encoder  [PT A.2]
 
 
@@ -65,8 +67,8 @@ class Predictor(nn.Module):
         self.context = context_encoder(config)
         both = config.audio_width + config.context_widths[-1]
         self.join = nn.Conv1d(both, width, 1)
-        self.embed = nn.Embedding(config.codes + 1, width)  # all groups share it; authors' code
-        self.groups = nn.Embedding(config.groups, width) if config.learned_groups else None
+        tables = config.groups if config.own_codes else 1  # all groups share one; authors' code
+        self.embed = nn.ModuleList(nn.Embedding(config.codes + 1, width) for _ in range(tables))
         self.decoder = StyleDecoder(
             config.layers,
             width,
@@ -77,8 +79,8 @@ class Predictor(nn.Module):
             style_norm=config.style_norm,
             dropout=config.dropout,
         )
-        last = nn.Linear(width, config.codes)
-        self.head = nn.Sequential(nn.Linear(width, width), nn.ReLU(), last)
+        self.head = nn.Sequential(nn.Linear(width, width), nn.ReLU())
+        self.odds = nn.ModuleList(nn.Linear(width, config.codes) for _ in range(tables))
 
     def listen(
         self,
@@ -106,13 +108,15 @@ class Predictor(nn.Module):
     ) -> Float[Tensor, "batch time groups codes"]:
         """Log-odds, from what `listen` gave and tokens of which some are hidden."""
         time, groups = codes.shape[1:]
-        tokens = self.embed(codes)  # (batch, time, groups, width)
-        across = _places(groups, tokens) if self.groups is None else self.groups.weight
-        tokens = tokens + _places(time, tokens)[:, None] + across  # 2-D positions
+        named = zip(codes.unbind(dim=2), cycle(self.embed), strict=False)
+        tokens = torch.stack([embed(of_group) for of_group, embed in named], dim=2)
+        tokens = tokens + _places(time, tokens)[:, None] + _places(groups, tokens)  # 2-D positions
         if self.config.aligned:
             tokens = tokens + memory[:, :, None]
         mixed = self.decoder(rearrange(tokens, "b t g w -> b (t g) w"), memory, speaker)
-        return rearrange(self.head(mixed), "b (t g) c -> b t g c", g=groups)
+        features = rearrange(self.head(mixed), "b (t g) w -> g b t w", g=groups)
+        guesses = zip(features, cycle(self.odds), strict=False)
+        return torch.stack([odds(of_group) for of_group, odds in guesses], dim=2)
 
     def forward(
         self,

@@ -48,7 +48,7 @@ def test_the_listener_learns_a_click():
     optimizer = torch.optim.Adam(listener.parameters(), 1e-2)
     for _ in range(40):
         optimizer.zero_grad()
-        stress_loss(listener, speech, target).backward()
+        stress_loss(listener.logits(speech), target).backward()
         optimizer.step()
     assert listener(speech).argmax(dim=1).tolist() == list(range(10, 50, 5))
 

@@ -77,8 +77,8 @@ def test_equal_tokens_at_different_places_are_told_apart(predictor, inputs):
 
 
 def test_the_fixed_places_of_time_and_group_are_mixed_up(inputs):
-    """Why `learned_groups`: token 2 of group 1 cannot be told from token 1 of group 2."""
-    predictor = Predictor(replace(SMALL, learned_groups=False, aligned=False)).eval()
+    """Why `own_codes`: token 2 of group 1 cannot be told from token 1 of group 2."""
+    predictor = Predictor(replace(SMALL, own_codes=False, aligned=False)).eval()
     inputs[0] = torch.full((2, 5, 4), predictor.mask)
     odds = predictor(*inputs)
     torch.testing.assert_close(odds[:, 1, 0], odds[:, 0, 1])
