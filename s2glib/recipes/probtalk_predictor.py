@@ -169,7 +169,7 @@ class PredictorData:
         seen = known[..., : self.parts]
         times = stress_times([self.clips.cells[row] for row in rows])
         since = times - torch.from_numpy(offsets / MOTION_FPS).float()[:, None]
-        stress = stress_targets(since, self.frames, MOTION_FPS)
+        stress = stress_targets(since, self.frames, float(MOTION_FPS))
         return PredictorStep(target, target, speech, context, seen, speaker, stress)
 
 

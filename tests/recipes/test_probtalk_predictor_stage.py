@@ -9,6 +9,7 @@ import torch
 
 from s2glib.checkpoint import load_checkpoint, save_checkpoint
 from s2glib.corpus import EMOTIONS, SPEAKERS, Cell
+from s2glib.corpus.build import timing_of
 from s2glib.papers.probtalk import (
     PAPER_PREDICTOR,
     PQVAE,
@@ -122,14 +123,51 @@ def test_a_random_share_differs_from_clip_to_clip(data):
 def test_all_tokens_count_or_the_hidden_ones(data):
     model = Predictor(CONFIG).eval()
     step = data.draw(replace(LESSON, hidden="curriculum"), model.mask, chance())
+    plain = replace(LESSON, stress=0.0)
     (whole, terms), (hidden, _) = (
-        recipe.PredictorObjective(model, replace(LESSON, region=region))(step)
+        recipe.PredictorObjective(model, replace(plain, region=region))(step)
         for region in ("all", "hidden")
     )
     odds = model(*step[1:6]).log_softmax(-1).gather(-1, step.target[..., None])[..., 0]
     torch.testing.assert_close(whole, -odds.mean())
     torch.testing.assert_close(hidden, -odds[step.codes == model.mask].mean())
     assert torch.equal(terms["hidden"], hidden)
+
+
+def test_stresses_are_heard_where_the_clock_has_them(data):
+    """Those of a window, counted from its first frame."""
+    rows, offsets = np.array([3, 7]), np.array([0, 2])
+    step = data.step(rows, offsets, torch.zeros(2, 176, 4, dtype=torch.bool))
+    for row, offset, track in zip(rows, offsets, step.stress, strict=True):
+        times = timing_of(CELLS[row]).stress_times
+        inside = [int(time * 30) - offset for time in times if 0 <= int(time * 30) - offset < 176]
+        assert len(inside) > 2
+        assert (track[inside] > 0.9).all()
+        assert track.mean() < 0.5
+
+
+def test_saying_when_stresses_come_teaches_the_ears_only(data):
+    model = Predictor(CONFIG)
+    step = data.draw(LESSON, model.mask, chance())
+    loss, terms = recipe.PredictorObjective(model, replace(LESSON, stress=2.0))(step)
+    torch.testing.assert_close(loss, recipe_loss(model, step) + 2 * terms["stress"])
+    terms["stress"].backward()
+    assert all(p.grad is not None for p in model.audio.parameters())
+    assert all(p.grad is None for p in model.decoder.parameters())
+
+
+def recipe_loss(model, step):
+    """The cross-entropy of all tokens."""
+    odds = model(*step[1:6]).log_softmax(-1)
+    return -odds.gather(-1, step.target[..., None]).mean()
+
+
+def test_now_and_then_nothing_is_heard(data):
+    heard = data.draw(replace(LESSON, unheard=0.0), 128, chance()).speech
+    some = data.draw(replace(LESSON, unheard=0.5), 128, chance()).speech
+    silent = ~some.flatten(1).any(dim=1)
+    assert 0 < silent.sum() < len(silent)
+    assert torch.equal(some[~silent], heard[~silent])
 
 
 def test_token_scores_are_the_cross_entropy_with_all_hidden(data, pqvae):
@@ -140,7 +178,7 @@ def test_token_scores_are_the_cross_entropy_with_all_hidden(data, pqvae):
         np.arange(len(CELLS)), np.zeros(len(CELLS), int), torch.zeros(len(CELLS), 176, 4).bool()
     )
     with torch.no_grad():
-        odds = model(torch.full_like(step.target, 128), *step[2:]).log_softmax(-1)
+        odds = model(torch.full_like(step.target, 128), *step[2:6]).log_softmax(-1)
     real = torch.arange(22) * 8 < torch.from_numpy(windows.lengths)[:, None]
     odds, target = odds[real], step.target[real]
     expected = -odds.gather(-1, target[..., None]).mean()

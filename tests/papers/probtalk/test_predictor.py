@@ -86,13 +86,12 @@ def test_the_fixed_places_of_time_and_group_are_mixed_up(inputs):
 
 
 def test_speech_is_heard_at_the_tokens_own_time(predictor):
-    """What the strided convolutions make of eight frames stands at their token's place."""
+    """What the strided convolutions make of eight frames stands around their token's place."""
     speech = torch.zeros(1, 6, 176)
     still = predictor.audio(speech)
     speech[..., 80:88] = 1.0
     changed = (predictor.audio(speech) - still).abs().amax(1)[0]
-    assert changed.argmax() == 10
-    assert changed[:8].max() == changed[14:].max() == 0
+    assert changed.nonzero()[:, 0].tolist() == [9, 10, 11]
 
 
 def test_decoding_starts_hidden_and_ends_whole(predictor, inputs, generator):
