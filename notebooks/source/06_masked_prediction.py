@@ -241,7 +241,7 @@ from s2glib.layers import sinusoidal_embedding
 
 time, group = torch.arange(1, 23), torch.arange(1, 5)
 fixed = sinusoidal_embedding(time, 128)[:, None] + sinusoidal_embedding(group, 128)
-learned = sinusoidal_embedding(time, 128)[:, None] + predictor.groups.weight.detach()
+masks = torch.stack([table.weight[MASK] for table in predictor.embed]).detach()
 
 
 def apart(places, t=4, g=2):
@@ -251,7 +251,7 @@ def apart(places, t=4, g=2):
 
 fig, panels = plt.subplots(2, 1, figsize=(8, 3.8), sharex=True)
 for axes, places, title in zip(
-    panels, (fixed, learned), ("two waves", "a wave and a learned vector of the group"), strict=True
+    panels, (fixed, fixed + masks), ("two waves", "with the mask of the group"), strict=True
 ):
     axes.imshow(
         apart(places).T.numpy(), extent=(0.5, 22.5, 4.5, 0.5), aspect="auto", cmap="Blues_r"
@@ -273,7 +273,7 @@ def twins(places):
     return int(((flat[:, None] - flat).norm(dim=-1) < 1e-3).triu(1).sum())
 
 
-report(pairs_with_one_place=twins(fixed), with_learned_groups=twins(learned))
+report(pairs_with_one_place=twins(fixed), with_a_mask_for_each_group=twins(fixed + masks))
 
 # %% [markdown]
 # Sums do not know the order of their terms, so swap $t$ and $g$, and nothing changes. If nothing but its place tells a
@@ -283,22 +283,25 @@ report(pairs_with_one_place=twins(fixed), with_learned_groups=twins(learned))
 from dataclasses import replace
 
 torch.manual_seed(0)
-small = replace(predictor.config, layers=2, aligned=False, learned_groups=False)
+small = replace(predictor.config, layers=2, aligned=False, own_codes=False)
 with torch.no_grad():
     memory = torch.randn(1, 22, small.width)
     speaker = torch.tensor([0])
     hidden = torch.full((1, 22, 4), MASK)
     odds = Predictor(small).eval().predict(memory, speaker, hidden)[0]
-    better = replace(small, learned_groups=True)
+    better = replace(small, own_codes=True)
     other = Predictor(better).eval().predict(memory, speaker, hidden)[0]
 report(
     twins_get_the_same_odds=torch.allclose(odds[3, 1], odds[1, 3], atol=1e-4),
     neighbours_get_the_same_odds=torch.allclose(odds[3, 1], odds[4, 1], atol=1e-4),
-    with_learned_groups_twins_do=torch.allclose(other[3, 1], other[1, 3], atol=1e-4),
+    with_own_codes_twins_do=torch.allclose(other[3, 1], other[1, 3], atol=1e-4),
 )
 
 # %% [markdown]
-# Only 12 of 88 tokens have a twin, all within the first four moments. Once codes are known there, these help to tell them apart. So the paper's Predictor works; ours has learned groups.
+# Only 12 of 88 tokens have a twin, all within the first four moments. Once codes are known there, these help to tell them apart. So the paper's Predictor works.
+#
+# Its groups share more than places: the vectors of the codes, and the last layer, which names them. But code 5 of the first group has nothing to do with code 5 of the second; a network that must find out for itself learns more slowly. In ours every group has a table and a
+# last layer of its own. That gives it its own mask, too, and so it has no twins.
 #
 # ## 5. Six blocks
 #
@@ -726,7 +729,73 @@ figure(
 report(eight_steps_fit_better_than_one=fits[3] > fits[0])
 
 # %% [markdown]
-# ## 9. Step by step
+# ## 9. Listening harder
+#
+# The Predictor knows two things: what this speech asks for, and what gestures are like anyway. The second is easier to learn, and may drown the first. So in training one clip in ten was **not heard**: its speech was zeros. Now we can ask twice, and go on from the answer
+# without speech, through the answer with it, and beyond:
+#
+# $$\ell = \ell_\text{unheard} + g\,(\ell_\text{heard} - \ell_\text{unheard})$$
+#
+# $\ell$ are log-odds, and $g$ is the **guidance**: 1 is none. It is [MDD Eq. B16], there for diffusion; ProbTalk has no such thing. The price is a second pass in every step.
+#
+# What does speech decide? Above all *when*: hands turn on stressed vowels, and are slow in turning. So look at the speed of wrists around these.
+
+# %% tags=["s2g-figure"]
+from s2glib.papers.probtalk.pipeline import GUIDANCE
+
+stresses = [load_clip(name).stress_times for name in clips()[::4]]
+around = np.arange(-10, 11)
+with torch.no_grad():
+    unheard = listen(0 * many.speech)
+
+
+@torch.no_grad()
+def gestures(guidance):
+    """Sampled motion of many clips."""
+    heard = memories["own speech"], many.speaker
+    how = {"unheard": unheard, "guidance": guidance, "generator": seed(1)}
+    *_, last = predictor.decode(*heard, **how)
+    return pqvae.decode(last.codes)
+
+
+def speed_around_stresses(motion):
+    """Speed of the wrists near stressed vowels, 1 being the mean of these 21 frames."""
+    speeds = pqvae.features.wrists(motion).diff(dim=1).norm(dim=-1).mean(-1).numpy()
+    rows = [
+        track[int(30 * time) + around]
+        for track, times in zip(speeds, stresses, strict=True)
+        for time in times
+        if 10 <= int(30 * time) < FRAMES - 12
+    ]
+    return np.mean(rows, axis=0) / np.mean(rows)
+
+
+speeds = {"real": speed_around_stresses(many.given)}
+speeds |= {f"guidance {g:g}": speed_around_stresses(gestures(g)) for g in (1.0, GUIDANCE)}
+fig, axes = plt.subplots(figsize=(5.6, 3.4))
+for (name, curve), stroke in zip(speeds.items(), ("-", "s--", "o-"), strict=True):
+    axes.plot(around / 30, curve, stroke, markersize=4, label=name)
+axes.axvline(0, color=PALETTE["black"], linestyle=":")
+axes.set(xlabel="time from a stressed vowel (s)", ylabel="speed of wrists (1 is the mean)")
+axes.legend(fontsize=10)
+figure(
+    fig,
+    "Speed of the hands around stressed vowels, real and sampled. Real hands slow down there; the deeper the dip, the better sampled ones keep time.",
+    exact=False,
+)
+dips = [curve.max() - curve[8:13].min() for curve in speeds.values()]
+report(
+    sampled_hands_slow_down_too=bool(dips[2] > dips[0] / 4),
+    guidance_deepens_the_dip=bool(dips[2] > dips[1]),
+    guidance_of_the_package=GUIDANCE,
+    unheard_in_training=LESSONS["teaching"].unheard,
+)
+
+# %% [markdown]
+# *When* was also a lesson of its own (ours): from each of the 22 vectors of the memory, a linear layer had to say in which of its 8 frames a stressed vowel begins. That layer is thrown away after training; what it taught the ears stays. Guidance is not free: hands also move
+# more, as if every word were meant.
+#
+# ## 10. Step by step
 #
 # Now watch one. While tokens are hidden, the body moves as the mean of what the Predictor expects: less at first than in the end.
 
@@ -748,11 +817,15 @@ figure(
     "A decoding in eight steps. Grey tokens are hidden, framed ones new; the brighter a token, the likelier was its code when it was chosen.",
     exact=False,
 )
+with torch.no_grad():
+    silence = predictor.listen(0 * asked.speech, 0 * asked.given, nothing[None])
+guided = {"unheard": silence, "guidance": GUIDANCE, "generator": seed(1)}
+*_, final = predictor.decode(memory, asked.speaker, **guided)
 moving = [state.motion.poses[:, :22].std(0).mean() for state in stepper.states]
 report(
     known_after_each_step=[int(state.known.sum()) for state in stepper.states],
     the_body_moves_more_in_the_end=bool(moving[-1] > moving[0]),
-    ends_where_the_package_ends=torch.equal(stepper.states[-1].codes, by_hand[-1][0]),
+    ends_where_the_package_ends=torch.equal(stepper.states[-1].codes, final.codes[0]),
 )
 
 # %% tags=["s2g-demo"]
@@ -777,7 +850,7 @@ stepper
 # Compare the tables code by code, then look at pauses and at stressed syllables: what speech decides should stay, the rest is drawn.
 # </details>
 #
-# ## 10. One sentence, three gestures
+# ## 11. One sentence, three gestures
 #
 # Speech does not say what the hands do; many gestures fit. So a sample is the honest answer, not a mean. The whole pipeline, with the Refiner of notebook 07:
 
@@ -812,7 +885,7 @@ from s2glib.widgets import Player
 Player({name: samples[name] for name in ("sample 1", "sample 2")}, clip.waveform, body)
 
 # %% [markdown]
-# ## 11. Paper check
+# ## 12. Paper check
 #
 # | claim [PT A.2] | what we computed | verdict |
 # |---|---|---|
@@ -824,7 +897,7 @@ Player({name: samples[name] for name in ("sample 1", "sample 2")}, clip.waveform
 # | loss on all tokens (code) | those that are shown need only be copied | harmless, but says little |
 # | steps | eight fit together better than one | holds |
 #
-# ## 12. Check yourself
+# ## 13. Check yourself
 
 # %%
 ask("06-q1")
@@ -847,6 +920,7 @@ ask("06-q4")
 # - Strided convolutions bring all to the pace of tokens; gates, and a mask that goes in as well, let the network tell holes from poses.
 # - A token must carry its place, and a sum of two equal waves is not enough.
 # - AdaIN forgets what all tokens share; a layer norm forgets how strong each one is.
+# - Guidance asks with and without speech, and goes on beyond: gestures keep time better.
 # - Decoding in steps lets tokens see each other: draw all, keep the surest, hide the rest again.
 #
 # **Limits.** A token once chosen is never taken back, even if later ones show it wrong. And ours was trained for half an hour: its gestures are as fast as real ones, but

@@ -29,6 +29,7 @@ STUDIES = {  # the recorded runs, by table and by stage
     "mddiffusion-video": {"mddiffusion-ablation": mddiffusion_ablation},
     "probtalk": {"probtalk-codes": probtalk_codes, "probtalk-speakers": probtalk_speakers},
 }
+VERDICTS = {"probtalk": probtalk_codes.equal_bits_verdict}
 NAMES = (*TABLES, "all")
 
 
@@ -72,6 +73,9 @@ def evaluate(
         )
         return 2
     print(table(rows))
+    for one in chosen:
+        if one in VERDICTS:
+            print(VERDICTS[one](runs))
     if json_path is not None:
         write_rows(json_path, rows)
     return int(strict and any(row.met is False or row.held is False for row in rows))

@@ -27,25 +27,31 @@ def variety_rows(probtalk: ProbTalk, clips: HolisticClips) -> list[Row]:
     pqvae, some = probtalk.pqvae, np.arange(CLIPS)
     windows = held_out(clips, pqvae.config.frames)
     asked = Asked(*(part[:CLIPS] for part in nothing_given(windows)))
-    generator = torch.Generator().manual_seed(_SEED)
-    drawn = [probtalk.sample(asked, generator=generator) for _ in range(SAMPLES)]
     lengths = windows.lengths[some]
     places, others = partial(joint_places, pqvae.features), other_clips(probtalk)
-    samples = np.stack([places(motion) for motion in drawn], axis=1)
     real = [clip[:n] for clip, n in zip(places(windows.motion[:CLIPS]), lengths, strict=True)]
-    made = [crowd[:, :n] for crowd, n in zip(samples, lengths, strict=True)]
-    strangers = [others[:, :n] for n in lengths]
-    spread, usual = (np.array([sample_variance(c) for c in crowds]) for crowds in (made, strangers))
-    best, best_other = (
-        np.array([nearest(crowd, truth) for crowd, truth in zip(crowds, real, strict=True)])
-        for crowds in (made, strangers)
-    )
-    return [
-        figure("diversity of 32 samples, m^2", spread),
-        ratio("diversity of 32 samples / of 32 real clips", spread, usual),
-        figure("best of 32 samples, cm^2", 1e4 * best),
-        ratio("best of 32 samples / of 32 real clips", best, best_other),
-    ]
+    plain = ProbTalk(pqvae, probtalk.predictor, None, probtalk.hear)
+
+    def crowds_of(system: ProbTalk) -> list[Float[np.ndarray, "samples _ 55 3"]]:
+        generator = torch.Generator().manual_seed(_SEED)
+        drawn = [places(system.sample(asked, generator=generator)) for _ in range(SAMPLES)]
+        return [crowd[:, :n] for crowd, n in zip(np.stack(drawn, axis=1), lengths, strict=True)]
+
+    def scores(crowds: list[Float[np.ndarray, "samples _ 55 3"]]) -> list[Float[np.ndarray, " n"]]:
+        best = [nearest(crowd, truth) for crowd, truth in zip(crowds, real, strict=True)]
+        return [np.array([sample_variance(crowd) for crowd in crowds]), np.array(best)]
+
+    usual, best_other = scores([others[:, :n] for n in lengths])
+    rows = []
+    for system, name in ((probtalk, ""), (plain, ", not refined")):
+        spread, best = scores(crowds_of(system))
+        rows += [
+            figure(f"diversity of 32 samples, m^2{name}", spread),
+            ratio(f"diversity of 32 samples / of 32 real clips{name}", spread, usual),
+            figure(f"best of 32 samples, cm^2{name}", 1e4 * best),
+            ratio(f"best of 32 samples / of 32 real clips{name}", best, best_other),
+        ]
+    return rows
 
 
 def other_clips(probtalk: ProbTalk) -> Float[np.ndarray, "samples frames 55 3"]:

@@ -10,13 +10,17 @@ Notebook: notebooks/05_product_codes.ipynb
 """
 
 from dataclasses import replace
+from pathlib import Path
 from typing import Literal
+
+import numpy as np
 
 from s2glib.corpus.script import split
 from s2glib.papers.probtalk import PQVAE_PRESETS, PQVAEConfig
 from s2glib.recipes.code_scores import STUDY, code_scores
 from s2glib.recipes.holistic_data import fitted_features, holistic_clips
 from s2glib.recipes.probtalk_pqvae import COURSES, fit_pqvae, new_pqvae
+from s2glib.recipes.records import recorded_figures
 from s2glib.recipes.stage import Stage
 
 Kind = Literal["product", "plain", "residual"]
@@ -38,6 +42,39 @@ def arms(config: PQVAEConfig) -> dict[str, PQVAEConfig]:
         "PQ 4 x 8": arm("product", 4, 8),
         "RQ 4 x 8": arm("residual", 4, 8),
     }
+
+
+EQUAL_BITS = ("VQ 4096", "PQ 4 x 8", "RQ 4 x 8")
+_WHY = {
+    "VQ 4096": "its codes may stand anywhere, those of the others are combinations of 32 vectors",
+    "PQ 4 x 8": "what its groups say is so independent that few combinations are wasted",
+    "RQ 4 x 8": "each stage mends what those before it left, all over the latent",
+}
+
+
+def equal_bits_verdict(runs: Path) -> str:
+    """Which quantiser wins at 12 bits a token, why, and at what price, by the recorded runs.
+
+    Raises:
+        FileNotFoundError: if there is no record.
+    """
+    figures, sizes = recorded_figures(runs, STUDY), arms(PQVAE_PRESETS["teaching"])
+    errors = {
+        name: np.mean([run[f"{name}: wrist error, cm"] for run in figures]) for name in EQUAL_BITS
+    }
+    best, *others = sorted(errors, key=errors.__getitem__)
+
+    def numbers(name: str) -> int:
+        """What all codebooks hold; those of a product divide the latent among them."""
+        size = sizes[name]
+        tables = size.groups if size.quantizer == "residual" else 1
+        return tables * size.codes * size.latent
+
+    prices = [f"{name} {errors[name]:.1f} cm with {numbers(name)}" for name in others]
+    return (
+        f"At equal bits (12 a token) {best} wins: wrists {errors[best]:.1f} cm off with "
+        f"{numbers(best)} numbers in codebooks; {_WHY[best]}. {', '.join(prices)}."
+    )
 
 
 def train(stage: Stage) -> None:

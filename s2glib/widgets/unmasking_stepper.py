@@ -19,6 +19,7 @@ from s2glib.body import BodyModel, Motion
 from s2glib.papers.probtalk import PARTS, PQVAE, Asked, ProbTalk
 from s2glib.papers.probtalk.keeping import embody
 from s2glib.papers.probtalk.masking import decode
+from s2glib.papers.probtalk.pipeline import GUIDANCE
 from s2glib.papers.probtalk.speech_features import MOTION_FPS
 from s2glib.viz import draw_tokens
 from s2glib.widgets.player import Player
@@ -163,10 +164,12 @@ def unmask(
     predictor, codes = probtalk.predictor, probtalk.pqvae.config.codes
     parts = asked.known[..., : predictor.config.context_parts]
     memory = predictor.listen(asked.speech, asked.given, parts)
+    unheard = predictor.listen(torch.zeros_like(asked.speech), asked.given, parts)
+    odds = partial(predictor.predict, unheard=unheard, guidance=GUIDANCE)
     heard: list[Tensor] = []  # log-probabilities, given every state but the last
 
     def predict(tokens: Tensor) -> Tensor:
-        heard.append(predictor.predict(memory, asked.speaker, tokens).log_softmax(-1))
+        heard.append(odds(memory, asked.speaker, tokens).log_softmax(-1))
         return heard[-1]
 
     start = predictor.hidden(memory)

@@ -21,6 +21,7 @@ def measured(monkeypatch):
         monkeypatch.setitem(module.RECORDED, "mddiffusion-video", lambda runs: list(recorded))
         monkeypatch.setitem(module.TABLES, "probtalk", lambda folder: [])
         monkeypatch.setitem(module.RECORDED, "probtalk", lambda runs: [])
+        monkeypatch.setitem(module.VERDICTS, "probtalk", lambda runs: "Who wins.")
 
     return tables
 
@@ -41,6 +42,14 @@ def test_all_is_every_table_in_one_file(measured, tmp_path):
     rows = json.loads((tmp_path / "all.json").read_text())
     assert [row["name"] for row in rows] == [GOOD.name, BELOW.name]
     assert rows[0]["met"] is True
+
+
+def test_a_verdict_follows_its_table(measured, capsys):
+    measured([GOOD])
+    evaluate("all")
+    assert capsys.readouterr().out.splitlines()[-1] == "Who wins."
+    evaluate("amuse-speech")
+    assert "Who wins." not in capsys.readouterr().out
 
 
 def test_without_the_corpus_extra_it_says_so_in_one_line_and_writes_nothing(

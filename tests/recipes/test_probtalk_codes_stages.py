@@ -118,3 +118,15 @@ def test_the_study_leaves_a_record_that_rows_are_read_from(tmp_path, monkeypatch
         for name in small
         for what in ("wrist error, cm", "part-wise error", "perplexity / codes")
     }
+
+
+@pytest.mark.parametrize(("best", "numbers"), [("VQ 4096", 4096 * 512), ("RQ 4 x 8", 32 * 512)])
+def test_the_verdict_names_the_best_at_equal_bits_and_what_it_needs(tmp_path, best, numbers):
+    for seed, off in enumerate((0.0, 1.0)):
+        errors = dict.fromkeys(probtalk_codes.EQUAL_BITS, 5.0 + off) | {best: 4.0 + off}
+        figures = {f"{name}: wrist error, cm": error for name, error in errors.items()}
+        path = tmp_path / f"probtalk-codes-teaching-{seed}.json"
+        path.write_text(json.dumps({"figures": figures}))
+    verdict = probtalk_codes.equal_bits_verdict(tmp_path)
+    assert f"{best} wins: wrists 4.5 cm off with {numbers} numbers" in verdict
+    assert f"PQ 4 x 8 5.5 cm with {8 * 512}" in verdict

@@ -8,6 +8,7 @@ from stand_in_probtalk import small_probtalk
 
 from s2glib.audio import Waveform
 from s2glib.papers.probtalk import remask_counts
+from s2glib.papers.probtalk.pipeline import GUIDANCE
 from s2glib.widgets import Player, UnmaskingStepper
 from s2glib.widgets.unmasking_stepper import expected_motion, unmask
 
@@ -32,10 +33,20 @@ def seeded(number):
     return torch.Generator().manual_seed(number)
 
 
+def memory_of(probtalk, asked):
+    return probtalk.predictor.listen(asked.speech, asked.given, asked.known)
+
+
 def package_codes(probtalk, asked, steps, seed):
     """Every state of the package's own decoding."""
-    memory = probtalk.predictor.listen(asked.speech, asked.given, asked.known)
-    decoding = probtalk.predictor.decode(memory, asked.speaker, steps=steps, generator=seeded(seed))
+    decoding = probtalk.predictor.decode(
+        memory_of(probtalk, asked),
+        asked.speaker,
+        unheard=memory_of(probtalk, asked._replace(speech=0 * asked.speech)),
+        guidance=GUIDANCE,
+        steps=steps,
+        generator=seeded(seed),
+    )
     return [state.codes[0] for state in decoding]
 
 
@@ -66,9 +77,12 @@ def test_known_tokens_grow_by_the_new_ones(probtalk, asked, steps):
 
 def test_probabilities_are_those_that_a_code_was_drawn_with(probtalk, asked):
     states = unmask(probtalk, asked, steps=4, generator=seeded(0))
-    memory = probtalk.predictor.listen(asked.speech, asked.given, asked.known)
+    shown = states[1].codes[None]
     with torch.no_grad():
-        odds = probtalk.predictor.predict(memory, asked.speaker, states[1].codes[None])[0]
+        heard = probtalk.predictor.predict(memory_of(probtalk, asked), asked.speaker, shown)
+        deaf = asked._replace(speech=0 * asked.speech)
+        unheard = probtalk.predictor.predict(memory_of(probtalk, deaf), asked.speaker, shown)
+    odds = (GUIDANCE * heard + (1 - GUIDANCE) * unheard)[0]
     state = states[2]
     for t, g in state.new.nonzero().tolist():
         expected = odds[t, g].log_softmax(-1)[state.codes[t, g]]

@@ -28,6 +28,7 @@ from s2glib.papers.probtalk.speech_features import (
     motion_frames,
 )
 
+GUIDANCE = 2.0  # chosen on validation clips (ours)
 OVERLAP = 3  # tokens that a window shares with the one before; authors' code
 
 
@@ -120,6 +121,7 @@ class ProbTalk:
         context_mask: Bool[Tensor, "frames 4"] | None = None,
         speaker: int = 0,
         steps: int = 8,
+        guidance: float = GUIDANCE,
         generator: torch.Generator,
     ) -> Motion:
         """Motion for a recording of any length, 30 frames a second.
@@ -131,6 +133,7 @@ class ProbTalk:
                 it, all of `known` is kept, and continued if the speech is longer.
             speaker: whose manner it is.
             steps: of the decoding of each window.
+            guidance: how much the speech counts: 1 as in training, 0 not at all.
             generator: source of chance.
 
         Returns:
@@ -145,7 +148,8 @@ class ProbTalk:
         frames = motion_frames(waveform)
         kept = kept_parts(known, context_mask, frames)
         asked = self.ask(waveform, frames, known, kept, speaker)
-        track = self.sample(asked, steps=steps, generator=generator)[0, :frames]
+        made = self.sample(asked, steps=steps, guidance=guidance, generator=generator)
+        track = made[0, :frames]
         features = self.pqvae.features
         poses, expression = features.to_poses(track).cpu(), features.to_expression(track).cpu()
         return embody(poses, expression, known, kept)
@@ -210,7 +214,12 @@ class ProbTalk:
 
     @torch.no_grad()
     def sample(
-        self, asked: Asked, *, steps: int = 8, generator: torch.Generator
+        self,
+        asked: Asked,
+        *,
+        steps: int = 8,
+        guidance: float = GUIDANCE,
+        generator: torch.Generator,
     ) -> Float[Tensor, "batch frames motion"]:
         """Motion for whole windows of speech, one after the other.
 
@@ -221,20 +230,26 @@ class ProbTalk:
         for start in self.window_starts(given.shape[1]):
             here = slice(start, start + length)
             window = asked._replace(given=given, known=known).window(here)
-            given[:, here] = self._sample_window(window, steps, generator)
+            given[:, here] = self._sample_window(window, steps, guidance, generator)
             known[:, here] = True
         return given
 
     def _sample_window(
-        self, asked: Asked, steps: int, generator: torch.Generator
+        self, asked: Asked, steps: int, guidance: float, generator: torch.Generator
     ) -> Float[Tensor, "batch frames motion"]:
         speech, given, known, speaker = asked
         parts = self.predictor.config.context_parts
         mask = known if parts == len(PARTS) else known.all(dim=-1, keepdim=True)
         numbers = self.pqvae.features.of_parts(known)
         context = given * self.pqvae.features.of_parts(mask.expand_as(known))
-        memory = self.predictor.listen(speech, context, mask)
-        *_, last = self.predictor.decode(memory, speaker, steps=steps, generator=generator)
+        *_, last = self.predictor.decode(
+            self.predictor.listen(speech, context, mask),
+            speaker,
+            unheard=self.predictor.listen(torch.zeros_like(speech), context, mask),
+            guidance=guidance,
+            steps=steps,
+            generator=generator,
+        )
         made = self.pqvae.decode(last.codes)
         if self.refiner is not None:
             made = self.refiner.refine(given, made, speech, mask, speaker)

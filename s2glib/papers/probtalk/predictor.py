@@ -105,8 +105,23 @@ class Predictor(nn.Module):
         memory: Float[Tensor, "batch time width"],
         speaker: Int[Tensor, " batch"],
         codes: Int[Tensor, "batch time groups"],
+        *,
+        unheard: Float[Tensor, "batch time width"] | None = None,
+        guidance: float = 1.0,
     ) -> Float[Tensor, "batch time groups codes"]:
-        """Log-odds, from what `listen` gave and tokens of which some are hidden."""
+        """Log-odds, from what `listen` gave and tokens of which some are hidden.
+
+        Args:
+            memory: what `listen` gave.
+            speaker: whose manner it is.
+            codes: the tokens.
+            unheard: what `listen` gives for the same context and speech of zeros; for guidance.
+            guidance: above 1, log-odds go from those of `unheard` beyond those heard (ours, after
+                [MDD Eq. B16]).
+        """
+        if unheard is not None:
+            heard, deaf = (self.predict(m, speaker, codes) for m in (memory, unheard))
+            return guidance * heard + (1 - guidance) * deaf
         time, groups = codes.shape[1:]
         named = zip(codes.unbind(dim=2), cycle(self.embed), strict=False)
         tokens = torch.stack([embed(of_group) for of_group, embed in named], dim=2)
@@ -139,17 +154,28 @@ class Predictor(nn.Module):
         memory: Float[Tensor, "batch time width"],
         speaker: Int[Tensor, " batch"],
         *,
+        unheard: Float[Tensor, "batch time width"] | None = None,
+        guidance: float = 1.0,
         steps: int = 8,
         temperature: float = 1.0,
         generator: torch.Generator,
     ) -> Iterator[DecodingStep]:
         """All tokens, the surest first; yields every state of the decoding, the last one whole.
 
+        Args:
+            memory: what `listen` gave.
+            speaker: whose manner it is.
+            unheard: for guidance, see `predict`.
+            guidance: how much the speech counts: 1 as in training, 0 not at all.
+            steps: how many.
+            temperature: of the choice of codes, above 0.
+            generator: source of chance.
+
         Raises:
             ValueError: if there is no step, or the temperature is not above 0.
         """
         return decode(
-            partial(self.predict, memory, speaker),
+            partial(self.predict, memory, speaker, unheard=unheard, guidance=guidance),
             self.hidden(memory),
             mask=self.mask,
             steps=steps,

@@ -188,3 +188,50 @@ def test_a_checkpoint_brings_back_the_predictor(predictor, inputs, tmp_path):
     save_checkpoint(tmp_path / "predictor.safetensors", predictor, predictor.config)
     loaded = load_checkpoint(tmp_path / "predictor.safetensors", Predictor)
     assert torch.equal(loaded(*inputs), predictor(*inputs))
+
+
+def test_guidance_goes_on_from_what_is_unheard_beyond_what_is_heard(predictor, inputs):
+    codes, *_, speaker = inputs
+    memory, unheard = torch.randn(2, 2, 5, 16)
+
+    def odds(guidance):
+        return predictor.predict(memory, speaker, codes, unheard=unheard, guidance=guidance)
+
+    heard, deaf = (predictor.predict(m, speaker, codes) for m in (memory, unheard))
+    assert (heard - deaf).abs().max() > 0.01
+    torch.testing.assert_close(odds(1.0), heard)
+    torch.testing.assert_close(odds(0.0), deaf)
+    torch.testing.assert_close(odds(2.0) - heard, heard - deaf)
+
+
+def test_guidance_decides_in_decoding(predictor, inputs):
+    speaker = inputs[4]
+    memory, unheard = torch.randn(2, 2, 5, 16)
+
+    def last(*heard, **guided):
+        generator = torch.Generator().manual_seed(3)
+        *_, last = predictor.decode(*heard, **guided, generator=generator)
+        return last.codes
+
+    assert torch.equal(last(memory, speaker, unheard=unheard, guidance=0.0), last(unheard, speaker))
+    strongly = last(memory, speaker, unheard=unheard, guidance=8.0)
+    assert not torch.equal(strongly, last(memory, speaker))
+
+
+def test_each_group_has_codes_of_its_own(inputs):
+    """Code 3 means one thing in one group, another in the next; not so in the authors' code."""
+    own, shared = (Predictor(replace(SMALL, own_codes=own)) for own in (True, False))
+    assert [len(model.embed) for model in (own, shared)] == [4, 1]
+    assert [len(model.odds) for model in (own, shared)] == [4, 1]
+    own.eval()
+    other = Predictor(SMALL).eval()
+    other.load_state_dict(own.state_dict())
+    with torch.no_grad():
+        other.embed[2].weight[3] += 1
+    memory, speaker = torch.randn(1, 5, 16), torch.tensor([0])
+    codes = torch.full((1, 5, 4), 4)
+    for group, differs in ((1, False), (2, True)):
+        codes[0, 0] = 4
+        codes[0, 0, group] = 3
+        same = torch.equal(*(model.predict(memory, speaker, codes) for model in (own, other)))
+        assert same != differs

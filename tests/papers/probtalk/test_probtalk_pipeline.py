@@ -44,8 +44,9 @@ def networks():
     predictor = Predictor(PREDICTOR)
     for gate in (p for p in predictor.parameters() if not p.any()):
         torch.nn.init.normal_(gate, std=0.5)
+    torch.nn.init.normal_(predictor.join.weight)  # it listens
     for odds in predictor.odds:
-        torch.nn.init.normal_(odds.weight, std=0.3)  # it is rather sure of its codes
+        torch.nn.init.normal_(odds.weight, std=0.7)  # it is rather sure of its codes
     return pqvae, predictor, refiner
 
 
