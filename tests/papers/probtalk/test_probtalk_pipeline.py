@@ -119,6 +119,14 @@ def test_seed_speaker_and_speech_change_the_motion_and_nothing_else_does(probtal
         assert (other.poses - first).abs().max() > 1e-3
 
 
+def test_without_guidance_speech_does_not_choose_the_codes(networks):
+    deaf = ProbTalk(*networks[:2])
+    first, second = (generated(deaf, speech(2.0, seed=n), guidance=0.0) for n in (0, 1))
+    torch.testing.assert_close(first.poses, second.poses)
+    strong = generated(deaf, speech(2.0), guidance=4.0)
+    assert (strong.poses - generated(deaf, speech(2.0), guidance=1.0).poses).abs().max() > 1e-3
+
+
 def test_a_beginning_does_not_know_what_comes_after_its_window(probtalk):
     long = speech(9.0)
     short = Waveform(long.samples[: 16000 * 7], 16000)
