@@ -22,10 +22,9 @@ def small_probtalk() -> ProbTalk:
     pqvae.features.fit(0.2 * torch.randn(300, 55, 3), torch.rand(300, 100))
     for parameter in pqvae.decoder.parameters():
         torch.nn.init.normal_(parameter, std=0.2)
+    small = {"audio_width": 8, "context_widths": (8, 8, 8), "codes": 6, "guidance": 3.0}
     thin = {"width": 16, "heads": 2, "layers": 1, "hidden": 16, "style": 8}
-    predictor = Predictor(
-        replace(TEACHING_PREDICTOR, audio_width=8, context_widths=(8, 8, 8), codes=6, **thin)
-    )
+    predictor = Predictor(replace(TEACHING_PREDICTOR, **small, **thin))
     refiner = Refiner(replace(TEACHING_REFINER, head=16, **thin))
     refiner.features.load_state_dict(pqvae.features.state_dict())
     return ProbTalk(pqvae, predictor, refiner)

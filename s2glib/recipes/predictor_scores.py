@@ -4,6 +4,7 @@ Paper:    PT A.2; beats: PT B (BC), AM E (BA)
 Notebook: notebooks/17_motion_distances.ipynb
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -15,13 +16,23 @@ from torch.nn import functional as F
 from s2glib.corpus.build import timing_of
 from s2glib.corpus.script import SPEAKERS
 from s2glib.layers import in_batches
+from s2glib.metrics import derivative_sizes
 from s2glib.papers.probtalk import PQVAE, Predictor
+from s2glib.papers.probtalk.motion_features import POINTS
 from s2glib.papers.probtalk.pipeline import Asked, ProbTalk
+from s2glib.papers.probtalk.speech_features import MOTION_FPS
 from s2glib.recipes.evaluate_beats import beat_rows
-from s2glib.recipes.holistic_data import HolisticClips, spoken_cell
+from s2glib.recipes.holistic_data import HolisticClips
 from s2glib.recipes.holistic_seen import NINE, held, joints_of
 
+GUIDANCES = (1.0, 1.5, 2.0, 2.5, 3.0)
+_APART = 0.15  # share by which wrists may be faster or slower than real ones
+MARGINS = tuple(
+    f"beat margin / real, {way}, stress" for way in ("motion to audio", "audio to motion")
+)
+SPEED = "speed of wrists / real"
 _SEED = 11
+_WRISTS = [place for place, name in enumerate(POINTS) if name.endswith("wrist")]
 
 
 class HeldOut(NamedTuple):
@@ -49,14 +60,36 @@ def held_out(clips: HolisticClips, frames: int) -> HeldOut:
     return HeldOut(clips.first(frames), heard, speaker, lengths)
 
 
-def predictor_scores(pqvae: PQVAE, predictor: Predictor, clips: HolisticClips) -> dict[str, float]:
+def predictor_scores(
+    pqvae: PQVAE,
+    predictor: Predictor,
+    clips: HolisticClips,
+    guidances: Sequence[float] = (1.0,),
+) -> dict[str, float]:
     """Figures of a trained Predictor on held-out clips, without the Refiner."""
     windows = held_out(clips, pqvae.config.frames)
     asked = nothing_given(windows)
     return {
         **token_scores(pqvae, predictor, windows, asked),
-        **beat_margins(ProbTalk(pqvae, predictor), clips, windows, asked),
+        **rhythm_scores(ProbTalk(pqvae, predictor), clips, windows, asked, guidances),
     }
+
+
+def wise_guidance(figures: dict[str, float], guidances: Sequence[float] = GUIDANCES) -> float:
+    """The guidance of the best beats, of those that leave wrists about as fast as real ones.
+
+    Args:
+        figures: of `rhythm_scores`.
+        guidances: which were tried; 1 is what is left if all are too fast or too slow.
+    """
+
+    def about(guidance: float) -> list[float]:
+        """Wrist speed, and both beat margins."""
+        end = f", guidance {guidance:g}"
+        return [figures[name + end] for name in (SPEED, *MARGINS)]
+
+    fit = [each for each in guidances if abs(about(each)[0] - 1) <= _APART]
+    return max(fit, key=lambda each: sum(about(each)[1:]), default=1.0)
 
 
 def nothing_given(windows: HeldOut) -> Asked:
@@ -95,23 +128,42 @@ def token_scores(
     }
 
 
-def beat_margins(
-    probtalk: ProbTalk, clips: HolisticClips, windows: HeldOut, asked: Asked
+def rhythm_scores(
+    probtalk: ProbTalk,
+    clips: HolisticClips,
+    windows: HeldOut,
+    asked: Asked,
+    guidances: Sequence[float],
 ) -> dict[str, float]:
-    """Beat margins of sampled motion, and of real motion decoded from its codes, over real ones."""
-    made = probtalk.sample(asked, generator=torch.Generator().manual_seed(_SEED))
-    through = in_batches(lambda motion: probtalk.pqvae(motion).motion, windows.motion)
-    stresses = [timing_of(spoken_cell(cell)).stress_times for cell in clips.cells]
+    """Beat margins and wrist speed over real ones: of real motion through its codes, and sampled.
+
+    Sampled motion is that of each guidance.
+    """
+    stresses = [timing_of(cell).stress_times for cell in clips.cells]
 
     def places(motion: Tensor) -> Float[np.ndarray, "n frames 9 3"]:
         seen = in_batches(lambda m: joints_of(probtalk.pqvae.features, m)[..., NINE, :], motion)
         return seen.double().numpy()
 
     real = places(windows.motion)
-    found: dict[str, float] = {}
-    for kind, motion in (("sampled", made), ("decoded", through)):
+    speed = wrist_speed(real, windows.lengths)
+
+    def rhythm(motion: Tensor, kind: str) -> dict[str, float]:
         moved = places(held(motion, windows.lengths))
         rows = beat_rows(real, moved, stresses, "stress", windows.lengths)
-        margins = (row for row in rows if row.name.startswith("beat margin / real"))
-        found |= {f"{row.name}, {kind}": row.value for row in margins}
+        found = {f"{row.name}, {kind}": row.value for row in rows if row.name in MARGINS}
+        return found | {f"{SPEED}, {kind}": wrist_speed(moved, windows.lengths) / speed}
+
+    found = rhythm(in_batches(lambda m: probtalk.pqvae(m).motion, windows.motion), "decoded")
+    for guidance in guidances:
+        chance = torch.Generator().manual_seed(_SEED)
+        made = probtalk.sample(asked, guidance=guidance, generator=chance)
+        found |= rhythm(made, f"guidance {guidance:g}")
     return found
+
+
+def wrist_speed(places: Float[np.ndarray, "n frames 9 3"], lengths: Int[np.ndarray, " n"]) -> float:
+    """Metres a second, mean over the clips' own frames and both wrists."""
+    clips = zip(places[:, :, _WRISTS], lengths, strict=True)
+    sizes = [derivative_sizes(clip[:n], float(MOTION_FPS), order=1).mean() for clip, n in clips]
+    return float(np.mean(sizes))

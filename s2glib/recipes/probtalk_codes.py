@@ -73,7 +73,7 @@ def equal_bits_verdict(runs: Path) -> str:
     prices = [f"{name} {errors[name]:.1f} cm with {numbers(name)}" for name in others]
     return (
         f"At equal bits (12 a token) {best} wins: wrists {errors[best]:.1f} cm off with "
-        f"{numbers(best)} numbers in codebooks; {_WHY[best]}. {', '.join(prices)}."
+        f"{numbers(best)} numbers in codebooks, probably because {_WHY[best]}. {', '.join(prices)}."
     )
 
 

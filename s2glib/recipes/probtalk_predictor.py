@@ -30,7 +30,7 @@ from s2glib.recipes.fit import Chance, Course
 from s2glib.recipes.holistic_data import HolisticClips, holistic_clips
 from s2glib.recipes.holistic_speech import hearing
 from s2glib.recipes.motion_data import motion_cells
-from s2glib.recipes.predictor_scores import predictor_scores
+from s2glib.recipes.predictor_scores import GUIDANCES, predictor_scores, wise_guidance
 from s2glib.recipes.probtalk_pqvae import trained_pqvae
 from s2glib.recipes.speech_data import stress_times
 from s2glib.recipes.stage import Stage
@@ -189,4 +189,7 @@ def train(stage: Stage) -> None:
     predictor = kept.model.eval()
     held_out = holistic_clips(split("validation"), pqvae.features, hear=heard.tracks)
     record |= {"codes": pqvae.fingerprint()}
-    stage.publish(stage.name, predictor, record, predictor_scores(pqvae, predictor, held_out))
+    guidances = GUIDANCES if lesson.unheard else (1.0,)
+    figures = predictor_scores(pqvae, predictor, held_out, guidances)
+    predictor.config = replace(config, guidance=wise_guidance(figures, guidances))
+    stage.publish(stage.name, predictor, record, figures)

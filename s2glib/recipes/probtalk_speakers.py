@@ -28,6 +28,7 @@ from s2glib.recipes.stage import Stage
 
 STAGE = "probtalk-speakers"
 STEPS = 400
+_WARM_UP = 40
 SEEDS = (0, 1, 2)
 ERROR = "cross-entropy"
 NAMES = ("one voice", "all voices")
@@ -52,7 +53,7 @@ def short_run(stage: Stage, name: str, pqvae: PQVAE, cells: list[Cell]) -> Predi
     """A Predictor that saw some of the clips."""
     config, lesson = PREDICTOR_PRESETS[stage.preset], LESSONS[stage.preset]
     config = replace(config, speech=MELS, speakers=len(TRAIN_SPEAKERS))
-    lesson = replace(lesson, course=stage.course(lesson.course))
+    lesson = replace(lesson, course=replace(stage.course(lesson.course), warm_up=_WARM_UP))
     clips = holistic_clips(cells, pqvae.features, hear=log_mel_tracks)
     data = PredictorData(clips, pqvae, config.context_parts)
     torch.manual_seed(stage.seed)

@@ -19,7 +19,6 @@ from s2glib.body import BodyModel, Motion
 from s2glib.papers.probtalk import PARTS, PQVAE, Asked, ProbTalk
 from s2glib.papers.probtalk.keeping import embody
 from s2glib.papers.probtalk.masking import decode
-from s2glib.papers.probtalk.pipeline import GUIDANCE
 from s2glib.papers.probtalk.speech_features import MOTION_FPS
 from s2glib.viz import draw_tokens
 from s2glib.widgets.player import Player
@@ -165,7 +164,7 @@ def unmask(
     parts = asked.known[..., : predictor.config.context_parts]
     memory = predictor.listen(asked.speech, asked.given, parts)
     unheard = predictor.listen(torch.zeros_like(asked.speech), asked.given, parts)
-    odds = partial(predictor.predict, unheard=unheard, guidance=GUIDANCE)
+    odds = partial(predictor.predict, unheard=unheard, guidance=predictor.config.guidance)
     heard: list[Tensor] = []  # log-probabilities, given every state but the last
 
     def predict(tokens: Tensor) -> Tensor:
@@ -182,7 +181,7 @@ def unmask(
     log_p = (chosen * new).cumsum(0).masked_fill(~known, torch.nan)
     tracks = expected_motion(probtalk.pqvae, tables, torch.cat([*heard, heard[-1]]))
     motions = map(partial(_standing, probtalk.pqvae), tracks)
-    return list(map(Unmasked, tables, known, new, log_p, motions))
+    return list(map(Unmasked, tables.cpu(), known.cpu(), new.cpu(), log_p.cpu(), motions))
 
 
 def expected_motion(

@@ -184,6 +184,8 @@ def test_every_measured_target_has_a_row_and_no_name_comes_twice(probtalk, nets,
     assert {name for name in PROBTALK if not name.startswith("codes: ")} <= set(names)
     assert {"FGD ratio, all, 1 step", "FGD ratio, all, 8 steps", "BC, not refined"} <= set(names)
     assert all(np.isfinite(row.value) for row in rows)
+    best = "best of 32 samples, cm^2"
+    assert figures(rows)[best] != figures(rows)[f"{best}, not refined"]
     assert figures(rows)["one second kept: largest change of what is written"] == 0
 
 

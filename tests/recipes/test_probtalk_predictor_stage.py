@@ -22,11 +22,17 @@ from s2glib.recipes import probtalk_predictor as recipe
 from s2glib.recipes.fit import Chance, Course, Training
 from s2glib.recipes.holistic_data import HolisticClips, Tracks
 from s2glib.recipes.predictor_scores import (
-    beat_margins,
+    _WRISTS,
+    GUIDANCES,
+    MARGINS,
+    SPEED,
     held_out,
     nothing_given,
     predictor_scores,
+    rhythm_scores,
     token_scores,
+    wise_guidance,
+    wrist_speed,
 )
 from s2glib.recipes.stage import Stage
 
@@ -146,7 +152,7 @@ def test_stresses_are_heard_where_the_clock_has_them(data):
         assert track.mean() < 0.5
 
 
-def test_saying_when_stresses_come_teaches_the_ears_only(data):
+def test_saying_when_stresses_come_teaches_what_tokens_look_at_and_not_the_blocks(data):
     model = Predictor(CONFIG)
     step = data.draw(LESSON, model.mask, chance())
     loss, terms = recipe.PredictorObjective(model, replace(LESSON, stress=2.0))(step)
@@ -189,13 +195,34 @@ def test_token_scores_are_the_cross_entropy_with_all_hidden(data, pqvae):
     assert scores["cross-entropy"] != scores["cross-entropy, another's speech"]
 
 
-def test_margins_are_taken_in_both_directions_of_both_motions(data, pqvae):
+def test_rhythm_is_taken_of_decoded_motion_and_of_each_guidance(data, pqvae):
     windows = held_out(data.clips, 176)
-    margins = beat_margins(
-        ProbTalk(pqvae, Predictor(CONFIG)), data.clips, windows, nothing_given(windows)
-    )
-    assert len(margins) == 4
-    assert {name.rpartition(", ")[2] for name in margins} == {"sampled", "decoded"}
+    system = ProbTalk(pqvae, Predictor(CONFIG))
+    scores = rhythm_scores(system, data.clips, windows, nothing_given(windows), (1.0, 2.5))
+    kinds = {"decoded", "guidance 1", "guidance 2.5"}
+    assert scores.keys() == {f"{name}, {kind}" for name in (SPEED, *MARGINS) for kind in kinds}
+
+
+def test_wrists_are_as_fast_as_they_go(rng):
+    places = np.zeros((2, 20, 9, 3))
+    places[:, :, _WRISTS, 0] = 0.1 * np.arange(20)[:, None] / 30
+    places[1, 15:] = places[1, 14:15] + 5  # held after its end, does not count
+    assert wrist_speed(places, np.array([20, 15])) == pytest.approx(0.1)
+
+
+@pytest.mark.parametrize(("fast", "wise"), [(2.0, 1.5), (1.1, 3.0), (9.0, 1.5)])
+def test_the_wise_guidance_has_the_best_beats_but_is_not_too_fast(fast, wise):
+    tried = {1.0: (1.0, 0.1), 1.5: (1.1, 0.3), 2.0: (1.1, 0.2), 2.5: (1.0, 0.0), 3.0: (fast, 0.4)}
+    figures = {}
+    for guidance, (speed, margin) in tried.items():
+        end = f", guidance {guidance:g}"
+        figures |= {SPEED + end: speed} | {name + end: margin for name in MARGINS}
+    assert wise_guidance(figures) == wise
+
+
+def test_where_all_are_too_fast_there_is_no_guidance():
+    figures = {f"{name}, guidance 2": 2.0 for name in (SPEED, *MARGINS)}
+    assert wise_guidance(figures, (2.0,)) == 1.0
 
 
 @pytest.mark.parametrize(
@@ -212,9 +239,11 @@ def test_the_stage_leaves_a_checkpoint_and_its_figures(
     recipe.train(Stage("probtalk-predictor", tmp_path, preset=preset, steps=2))
     path = tmp_path / "checkpoints" / "probtalk-predictor.safetensors"
     model = load_checkpoint(path, Predictor)
-    assert model.config == replace(config, speech=64, speakers=24)
     run = json.loads((tmp_path / "runs" / f"probtalk-predictor-{preset}-0.json").read_text())
-    assert run["figures"].keys() == predictor_scores(pqvae, model, clips).keys()
+    tried = GUIDANCES if recipe.LESSONS[preset].unheard else (1.0,)
+    assert run["figures"].keys() == predictor_scores(pqvae, model, clips, tried).keys()
+    chosen = wise_guidance(run["figures"], tried)
+    assert model.config == replace(config, speech=64, speakers=24, guidance=chosen)
     assert run["steps"] == 2
 
 

@@ -8,7 +8,6 @@ from stand_in_probtalk import small_probtalk
 
 from s2glib.audio import Waveform
 from s2glib.papers.probtalk import remask_counts
-from s2glib.papers.probtalk.pipeline import GUIDANCE
 from s2glib.widgets import Player, UnmaskingStepper
 from s2glib.widgets.unmasking_stepper import expected_motion, unmask
 
@@ -43,7 +42,7 @@ def package_codes(probtalk, asked, steps, seed):
         memory_of(probtalk, asked),
         asked.speaker,
         unheard=memory_of(probtalk, asked._replace(speech=0 * asked.speech)),
-        guidance=GUIDANCE,
+        guidance=probtalk.predictor.config.guidance,
         steps=steps,
         generator=seeded(seed),
     )
@@ -82,7 +81,7 @@ def test_probabilities_are_those_that_a_code_was_drawn_with(probtalk, asked):
         heard = probtalk.predictor.predict(memory_of(probtalk, asked), asked.speaker, shown)
         deaf = asked._replace(speech=0 * asked.speech)
         unheard = probtalk.predictor.predict(memory_of(probtalk, deaf), asked.speaker, shown)
-    odds = (GUIDANCE * heard + (1 - GUIDANCE) * unheard)[0]
+    odds = (3.0 * heard - 2.0 * unheard)[0]
     state = states[2]
     for t, g in state.new.nonzero().tolist():
         expected = odds[t, g].log_softmax(-1)[state.codes[t, g]]

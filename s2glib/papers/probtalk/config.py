@@ -98,6 +98,7 @@ class PredictorConfig:
     style: int = 512  # numbers for a speaker; authors' code
     style_norm: Literal["adain", "adaln"] = "adain"  # [PT A.2]; "adaln": authors' code
     dropout: float = 0.1  # authors' code
+    guidance: float = 1.0  # how much speech counts in decoding; not 1: ours, found after training
 
 
 @dataclass(frozen=True)

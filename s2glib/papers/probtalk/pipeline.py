@@ -4,6 +4,7 @@ Paper:    PT A.2, A.3 (inference)
 Notebook: notebooks/07_refiner.ipynb
 """
 
+from functools import partial
 from numbers import Integral
 from pathlib import Path
 from typing import NamedTuple
@@ -28,7 +29,6 @@ from s2glib.papers.probtalk.speech_features import (
     motion_frames,
 )
 
-GUIDANCE = 2.0  # chosen on validation clips (ours)
 OVERLAP = 3  # tokens that a window shares with the one before; authors' code
 
 
@@ -121,7 +121,7 @@ class ProbTalk:
         context_mask: Bool[Tensor, "frames 4"] | None = None,
         speaker: int = 0,
         steps: int = 8,
-        guidance: float = GUIDANCE,
+        guidance: float | None = None,
         generator: torch.Generator,
     ) -> Motion:
         """Motion for a recording of any length, 30 frames a second.
@@ -133,7 +133,8 @@ class ProbTalk:
                 it, all of `known` is kept, and continued if the speech is longer.
             speaker: whose manner it is.
             steps: of the decoding of each window.
-            guidance: how much the speech counts: 1 as in training, 0 not at all.
+            guidance: how much the speech counts in choosing codes: 1 as in training, 0 not at all;
+                None: what suits the Predictor.
             generator: source of chance.
 
         Returns:
@@ -218,13 +219,14 @@ class ProbTalk:
         asked: Asked,
         *,
         steps: int = 8,
-        guidance: float = GUIDANCE,
+        guidance: float | None = None,
         generator: torch.Generator,
     ) -> Float[Tensor, "batch frames motion"]:
         """Motion for whole windows of speech, one after the other.
 
         A window is given the end of the one before, as if that had always been known.
         """
+        guidance = self.predictor.config.guidance if guidance is None else guidance
         given, known = asked.given.clone(), asked.known.clone()
         length = self.pqvae.config.frames
         for start in self.window_starts(given.shape[1]):
@@ -242,10 +244,11 @@ class ProbTalk:
         mask = known if parts == len(PARTS) else known.all(dim=-1, keepdim=True)
         numbers = self.pqvae.features.of_parts(known)
         context = given * self.pqvae.features.of_parts(mask.expand_as(known))
+        listen = partial(self.predictor.listen, context=context, context_mask=mask)
         *_, last = self.predictor.decode(
-            self.predictor.listen(speech, context, mask),
+            listen(speech),
             speaker,
-            unheard=self.predictor.listen(torch.zeros_like(speech), context, mask),
+            unheard=None if guidance == 1 else listen(torch.zeros_like(speech)),
             guidance=guidance,
             steps=steps,
             generator=generator,

@@ -117,9 +117,17 @@ class Predictor(nn.Module):
             codes: the tokens.
             unheard: what `listen` gives for the same context and speech of zeros; for guidance.
             guidance: above 1, log-odds go from those of `unheard` beyond those heard (ours, after
-                [MDD Eq. B16]).
+                [MDD Eq. B16]); 1 is none.
+
+        Raises:
+            ValueError: if there is guidance, but no `unheard`.
         """
-        if unheard is not None:
+        if guidance != 1:
+            if unheard is None:
+                raise ValueError(
+                    f"guidance {guidance} goes on from what is unheard; give what `listen` makes "
+                    "of the same context and speech of zeros"
+                )
             heard, deaf = (self.predict(m, speaker, codes) for m in (memory, unheard))
             return guidance * heard + (1 - guidance) * deaf
         time, groups = codes.shape[1:]
@@ -172,7 +180,8 @@ class Predictor(nn.Module):
             generator: source of chance.
 
         Raises:
-            ValueError: if there is no step, or the temperature is not above 0.
+            ValueError: if there is no step, the temperature is not above 0, or there is guidance
+                without `unheard`.
         """
         return decode(
             partial(self.predict, memory, speaker, unheard=unheard, guidance=guidance),

@@ -204,6 +204,12 @@ def test_guidance_goes_on_from_what_is_unheard_beyond_what_is_heard(predictor, i
     torch.testing.assert_close(odds(2.0) - heard, heard - deaf)
 
 
+def test_guidance_needs_something_to_go_on_from(predictor, inputs):
+    memory = torch.randn(2, 5, 16)
+    with pytest.raises(ValueError, match="goes on from what is unheard"):
+        predictor.predict(memory, inputs[4], inputs[0], guidance=2.0)
+
+
 def test_guidance_decides_in_decoding(predictor, inputs):
     speaker = inputs[4]
     memory, unheard = torch.randn(2, 2, 5, 16)
