@@ -26,7 +26,7 @@ from s2glib.recipes.holistic_data import HolisticClips
 from s2glib.recipes.holistic_seen import NINE, held, joints_of
 
 GUIDANCES = (1.0, 1.5, 2.0, 2.5, 3.0)
-_APART = 0.15  # share by which wrists may be faster or slower than real ones
+_APART = 0.2  # share by which wrists may be faster or slower than real ones
 MARGINS = tuple(
     f"beat margin / real, {way}, stress" for way in ("motion to audio", "audio to motion")
 )
