@@ -743,8 +743,8 @@ report(eight_steps_fit_better_than_one=fits[3] > fits[0])
 #
 # $$\ell = \ell_\text{unheard} + s\,(\ell_\text{heard} - \ell_\text{unheard})$$
 #
-# $\ell$ are **log-odds**, the numbers before the softmax, and $s$ is the **guidance**: 1 is none. It is [MDD Eq. B16], there for diffusion; ProbTalk has no such thing. The price is a second pass in every step. (Zeros are not silence: our log-mels are standardised, so
-# they are the mean in every band.)
+# $\ell$ are **log-odds**, the numbers before the softmax, and $s$ is the **guidance**: 1 is none. It is [MDD Eq. B16], there for diffusion. The price is a second pass in every step. (Zeros are not silence: they are
+# the mean of our log-mels.)
 #
 # What does speech decide? Above all *when*: hands turn on stressed vowels. After training, motion was sampled for 542 clips that no network was trained on, with five strengths of guidance. The record of the training says how well gestures kept time: the **beat margin**, by how
 # much movements and stresses meet more often than by chance (1 is what real motion has; notebook 01 counts such meetings). And it says how fast the wrists were.
@@ -784,8 +784,8 @@ report(
 )
 
 # %% [markdown]
-# *When* was also a lesson of its own (ours): from each of the 22 vectors of the memory, a linear layer had to say in which of its 8 frames a stressed vowel begins. That layer is thrown away after training; what it taught stays. Guidance is not free: hands also get faster, as
-# if every word were meant. So the recipe took the strength of the best beats among those with wrists at most a fifth faster than real ones.
+# *When* was also a lesson of its own (ours): from each of the 22 vectors of the memory, a linear layer had to say in which of its 8 frames a stressed vowel begins. That layer is thrown away after training. Guidance is not free: hands also get faster. So
+# the recipe took the best beats among those with wrists at most a fifth too fast.
 #
 # ## 10. Step by step
 #
